@@ -656,11 +656,7 @@ def _study(
     work: Any,
     read_study: Callable[[Path], Any] | None = None,
 ) -> None:
-    """Run a study and write its answer; ``work`` returns data, table, saving function and result.
-
-    Args:
-        read_study: Reader of the file; by default of a design study.
-    """
+    """Run a study and write its answer; ``work`` returns data, table, saving function and result."""
     from . import __version__
 
     if read_study is None:
@@ -750,7 +746,7 @@ def fit(
     save: Save = None,
     plot: StudyPlot = None,
 ) -> None:
-    """Find parameters from measurements, with intervals, and show what the measurements do not determine."""
+    """Fit parameters to measurements, with intervals and undetermined combinations of parameters."""
 
     def read_study(path: Path):
         from .identification.fit_study import read_fit_study

@@ -1,8 +1,8 @@
 # %% [markdown]
 # # 29 Design for yield
 #
-# **Question.** A guide must have a first frequency above 10.5 Hz, and its drive must not be too stiff. Leaf springs are
-# cut from sheet whose thickness scatters. Which thickness makes 95 of 100 made guides good, and what does it cost?
+# **Question.** A guide needs a first frequency above 10.5 Hz and a low drive stiffness. Its leaf springs are cut from
+# sheet metal, and the thickness scatters. Which thickness makes 95 of 100 guides good, and at which drive stiffness?
 
 # %%
 import matplotlib.pyplot as plt
@@ -15,8 +15,8 @@ fm.enable_x64()
 cache = fm.enable_cache(thorough=False)
 
 # %% [markdown]
-# The guide has two leaf springs, each with a thickness of its own. A nominal design makes them alike; made guides do
-# not. The modulus is no dimension of the design, but it scatters too.
+# The guide has two leaf springs. Their nominal thickness is equal, the thicknesses of a made guide differ. The modulus
+# scatters too, although it is no dimension of the design.
 
 
 # %%
@@ -36,15 +36,16 @@ def guide(left, right, length, modulus):
 
 
 def stage(thickness, length, left=0.0, right=0.0, modulus=210e9):
-    """One nominal thickness, and the deviation of each leaf spring from it."""
+    """Build a guide from its nominal thickness and the deviation of each leaf spring."""
     return guide(thickness + left, thickness + right, length, modulus)
 
 
 answers = {"frequency": "frequency 1", "drive": lambda model: fm.stiffness(model, "B", "x")}
 
 # %% [markdown]
-# Thicknesses scatter by 1.5 % of half a millimetre. Both leaf springs come from one sheet, so that their thicknesses go
-# together: a correlation of 0.8. The length is cut within plus and minus 0.2 mm. The modulus varies by 3 %.
+# The standard deviation of the thickness is 1.5 % of half a millimetre. Both leaf springs come from the same sheet:
+# their thicknesses have a correlation of 0.8. The length deviates by up to 0.2 mm. The modulus has a standard deviation
+# of 3 %.
 
 # %%
 made = fm.scatter(
@@ -60,7 +61,7 @@ made = fm.scatter(
 print(made)
 
 # %% [markdown]
-# First without scatter: the softest drive with 10.5 Hz. The search ends at the limit.
+# The first search ignores the scatter: it finds the lowest drive stiffness at 10.5 Hz. It ends at the limit.
 
 # %%
 start, bounds = {"thickness": 0.55e-3, "length": 0.1}, {"thickness": (0.3e-3, 0.8e-3), "length": (0.08, 0.12)}
@@ -68,7 +69,7 @@ nominal = fm.tune(stage, answers, start, bounds, minimize="drive", limits={"freq
 print(nominal)
 
 # %% [markdown]
-# Half of the guides that are made by this drawing are too slow. Each number has its confidence interval.
+# Half of the guides made to this design have a frequency below 10.5 Hz. Each estimated share has a confidence interval.
 
 # %%
 limits = {"frequency": (10.5, None)}
@@ -76,8 +77,8 @@ first = fm.design.robustness(stage, answers, nominal.dimensions, made, limits=li
 print(first)
 
 # %% [markdown]
-# Which dimension is to blame? The first order names it. Shares of correlated dimensions include their common part. The
-# second order adds a mean, a deviation and their error, from some exact designs.
+# Which dimension causes the scatter? The first order computes the share of each dimension. Shares of correlated
+# dimensions include half their covariance. The second order adds mean, deviation, and their error from exact designs.
 
 # %%
 tolerance = fm.design.tolerances(stage, answers, nominal.dimensions, made, second_order=True)
@@ -87,9 +88,9 @@ print("second order: mean {:.4f} Hz, deviation {:.4f} Hz, error {:.1g} Hz".forma
 print(f"sampled: mean {first.mean('frequency').value:.4f} Hz, deviation {first.deviation('frequency'):.4f} Hz")
 
 # %% [markdown]
-# Now the fifth percentile must reach 10.5 Hz in place of the nominal value. Every design of the search is made
-# sixty-four times, each time with the same random numbers. So the percentile has a derivative. The robust design has
-# thicker and longer leaf springs: a few micrometres matter less in them.
+# Now the fifth percentile, not the nominal value, must reach 10.5 Hz. The search computes sixty-four made guides of
+# each design, always with the same random numbers. The percentile therefore has a derivative. The robust design has
+# thicker and longer leaf springs, which are less sensitive to a few micrometres.
 
 # %%
 wanted = {"percentile 5 frequency": (10.5, None)}
@@ -99,7 +100,8 @@ second = fm.design.robustness(stage, answers, robust.dimensions, made, limits=li
 print(second)
 
 # %% [markdown]
-# If the drive may not exceed 1000 N/m either, no thickness makes all guides good. The best yield lies between.
+# With a second limit of 1000 N/m for the drive stiffness, no thickness makes all guides good. The search finds the
+# thickness with the largest yield.
 
 # %%
 acceptable = {"frequency": (10.5, None), "drive": (None, 1000.0)}
@@ -120,7 +122,8 @@ best = fm.tune(
 print(best)
 
 # %% [markdown]
-# A front shows the price of robustness: the nominal drive stiffness against the frequency that 95 of 100 guides exceed.
+# A Pareto front shows the cost of robustness: the nominal drive stiffness against the frequency that 95 of 100 guides
+# exceed.
 
 # %%
 front = fm.design.robust_front(
@@ -144,9 +147,8 @@ ax.legend()
 ax.grid(visible=True, alpha=0.3)
 
 # %% [markdown]
-# The nominal design has a yield of one half, the robust one of about 95 %. The closed form agrees: the frequency goes
-# with the root of the sum of the cubes of the thicknesses, with the length to the power of -3/2, and with the root of
-# the modulus.
+# The nominal design has a yield of one half, the robust design has about 95 %. The closed form agrees: the frequency is
+# proportional to the square root of E (t1^3 + t2^3)/L^3, with thicknesses t1 and t2, length L and modulus E.
 
 # %%
 rng = np.random.default_rng(9)

@@ -130,12 +130,12 @@ def latin_hypercube(
 
 @checked
 def monte_carlo(count: DesignCount, distributions: Any = None, /, *, seed: WholeFromZero = 0, **named: Any) -> Designs:
-    """Random designs: every dimension by itself, or by a joint distribution of ``fm.scatter``.
+    """Return random designs: independent dimensions, or the joint distribution of a Scatter.
 
     Args:
         count: Number of designs.
         distributions: By name: lower and upper value of a uniform distribution [SI], or an object with ``rvs``, such
-            as ``scipy.stats.norm(0.5e-3, 5e-6)``. Or a Scatter of :func:`flexmb.scatter`.
+            as ``scipy.stats.norm(0.5e-3, 5e-6)``. Or a Scatter from :func:`flexmb.scatter`.
         seed: Seed of the random numbers.
         named: Distributions as keywords; with a Scatter the nominal values of the dimensions [SI].
 
@@ -143,11 +143,11 @@ def monte_carlo(count: DesignCount, distributions: Any = None, /, *, seed: Whole
         Designs.
 
     Raises:
-        ValueError: Bounds are empty or not finite, there are more than ten million designs, or a dimension that
-            scatters has no nominal value.
+        ValueError: Bounds are empty or not finite. There are more than ten million designs. A parameter of the Scatter
+            has no nominal value.
 
     Source:
-        Independent samples; correlated by a Gaussian copula with a Scatter.
+        Monte Carlo: independent samples. A Scatter correlates the dimensions by a Gaussian copula.
     """
     if hasattr(distributions, "draw"):
         return distributions.draw(count, named, seed)

@@ -1,4 +1,4 @@
-"""Pareto front of two criteria of a design, such as a nominal value against a percentile, by searches."""
+"""Pareto front of two criteria of a design by searches, such as a nominal value against a percentile."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -29,31 +29,31 @@ def robust_front(
     limits: Mapping[str, Any] | None = None,
     **options: Any,
 ) -> Front:
-    """Designs that no other design beats in two criteria, by searches with derivatives.
+    """Compute the Pareto front of two criteria by searches with derivatives.
 
-    The two ends minimise one criterion each. Between them, each point minimises the first criterion with an upper limit
-    on the second one.
+    Each end of the front minimises one criterion. Each point between the ends minimises the first criterion with an
+    upper limit on the second criterion. These limits are evenly spaced.
 
     Args:
         build: See :func:`flexmb.tune`.
         answers: See :func:`flexmb.tune`.
-        dimensions: Start, by name [SI].
+        dimensions: Dimensions at the start, by name [SI].
         bounds: Lower and upper value by name [SI].
         minimize: First criterion: name of an answer, or a statistic such as "percentile 95 mass".
-        against: Second criterion, to be small too. Write an answer with a minus sign for what is to be large.
-        points: Number of points.
+        against: Second criterion, minimised too. To maximise an answer, add an answer that returns its negative.
+        points: Number of points, including both ends.
         limits: Limits of other answers and statistics.
         options: Other arguments of :func:`flexmb.tune`, such as ``scatter``, ``samples`` and ``starts``.
 
     Returns:
-        Front over the designs that were found. Its sweep has all answers and statistics of the searches.
+        Front. Its sweep has all answers and statistics of the successful searches.
 
     Raises:
-        ValueError: The criteria are the same, or one of them has a limit. As :func:`flexmb.tune` raises.
-        AnalysisError: An end of the front was not found.
+        ValueError: The criteria are equal, or a criterion has a limit. Also the errors of :func:`flexmb.tune`.
+        AnalysisError: The search for an end of the front fails.
 
     Warns:
-        FlexmbWarning: Points between the ends were not found, and are left out.
+        FlexmbWarning: Searches for points between the ends fail. The front leaves these points out.
 
     Source:
         Epsilon-constraint method: Haimes, Lasdon, Wismer 1971.

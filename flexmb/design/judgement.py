@@ -1,4 +1,4 @@
-"""The verdict on a mechanism over its stroke: limits, numbers, and their page."""
+"""Assessment of a mechanism over its stroke: curves, limits, and a page of results."""
 
 import dataclasses
 from typing import Any
@@ -12,7 +12,7 @@ from ..model.model import Model
 from ..numerical_limits import EQUAL_OVER_STROKE, STRAIGHT_MOTION
 from .sensitivities import Sensitivities
 
-# Beginnings of subjects without which the verdict is incomplete.
+# Beginnings of the subjects that an assessment needs to be complete.
 JUDGED = ("stress", "yield", "fatigue", "buckling")
 
 
@@ -20,11 +20,12 @@ JUDGED = ("stress", "yield", "fatigue", "buckling")
 class Limit:
     """A limit of the stroke.
 
-    name: Name of the limited curve.
-    lower: Least value, or None.
-    upper: Largest size, or None.
-    used: Share of the limit at each stroke, (states,) [-]; reached at 1.
-    stroke: Stroke nearest to zero at which it is reached [m or rad], or None.
+    Attributes:
+        name: Name of the limited curve.
+        lower: Least value, or None.
+        upper: Largest absolute value, or None.
+        used: Used share of the limit at each stroke, (states,) [-]; 1 at the limit.
+        stroke: Smallest stroke at the limit [m or rad], or None if the limit is not reached.
     """
 
     name: str
@@ -34,7 +35,7 @@ class Limit:
     stroke: float | None
 
     def share(self, value: float) -> float:
-        """Share of the limit that a value of the curve uses [-]: 1 if it is reached."""
+        """Return the share of the limit that a value of the curve uses [-]: 1 at the limit."""
         over = 0.0 if self.upper is None else abs(value) / self.upper
         under = 0.0 if self.lower is None else self.lower / value if value > 0 else np.inf
         return float(max(over, under)) if np.isfinite(value) or value > 0 else float(np.nan)
@@ -46,22 +47,27 @@ class Verdict(Labelled):
 
     Attributes:
         driven: Name of the driven coordinate.
-        unit: Its unit, "m" or "rad".
+        unit: Unit of the driven coordinate, "m" or "rad".
         node: Node of support stiffness and parasitic motion.
         stroke: Strokes, ascending, (states,) [m or rad].
-        curves: By name, (states,) [unit]: "force" of the drive and "drive stiffness"; largest "stress", and its shares
-            "yield" of the strength and "fatigue" of the fatigue limit; "buckling" multiplier of the constant loads;
-            "stiffness y" and so on of the node, with the drive holding; "parasitic y" and so on, the motion of the node
-            from its place at zero stroke; "frequency 1" and so on, with the drive as a dead force.
+        curves: Curves by name, (states,) [unit]:
+
+            - "force" of the drive, "drive stiffness";
+            - "stress": largest stress; "yield" and "fatigue": its shares of the strength and of the fatigue limit;
+            - "buckling": multiplier of the constant loads;
+            - "stiffness y" and so on: support stiffness of the node at a prescribed stroke;
+            - "parasitic y" and so on: motion of the node from its place at zero stroke;
+            - "frequency 1" and so on, with the drive as a dead force.
         units: Unit of each curve.
-        limits: Given and usual limits: first the one reached at the smallest stroke, then the most used one.
+        limits: Given and default limits. Limits that are reached come first, in the order of their strokes; the others
+            follow, the most used limit first.
         mobility: Over-constraints.
-        sensitivities: Sensitivities of all curves to the dimensions, where the first limit is reached or most used;
-            None without a function of dimensions.
-        unanswered: Subjects without an answer, and why.
+        sensitivities: Sensitivities of all curves to the dimensions, at the stroke where the first limit is reached or
+            most used; None without a function of dimensions.
+        unanswered: Subjects without an answer, with the reason.
         places: Place of the largest stress at each stroke, with the element's name; empty without stress.
-        held_stable: Whether it is stable at each stroke while the drive holds it, (states,).
-        free_stable: Whether it is stable there with the drive as a dead force, (states,).
+        held_stable: Whether the mechanism is stable at each prescribed stroke, (states,).
+        free_stable: Whether the mechanism is stable at each stroke with the drive as a dead force, (states,).
         x: Nodal coordinates at each stroke, (states, n_x) [m, rad, -].
         model: The mechanism.
     """
@@ -84,12 +90,12 @@ class Verdict(Labelled):
 
     @property
     def good(self) -> bool:
-        """Whether the whole stroke is reached without a limit; :attr:`not_judged` lists open subjects."""
+        """Whether the mechanism reaches the whole stroke within all limits; :attr:`not_judged` lists open subjects."""
         return "stroke" not in self.unanswered and all(limit.stroke is None for limit in self.limits)
 
     @property
     def not_judged(self) -> tuple[str, ...]:
-        """Subjects that could limit the stroke and have no answer; ``unanswered`` contains the reasons."""
+        """Subjects without an answer that could limit the stroke; ``unanswered`` contains the reasons."""
         return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
 
     def measured(self, name: str, state: Any) -> str:
@@ -102,7 +108,7 @@ class Verdict(Labelled):
         return measured(float(self.curves[name][state]), self.units[name])
 
     def where(self, state: Any) -> str:
-        """Return the stroke of a state, as "at 5 mm".
+        """Return the stroke of a state as a text, such as "at 5 mm".
 
         Args:
             state: Index of the stroke, from 0.
@@ -114,7 +120,7 @@ class Verdict(Labelled):
         return States(self.model, self.x, "path", self.stroke, f"stroke {self.driven} [{self.unit}]")
 
     def quantities_by_name(self) -> Quantities:
-        """The curves over the stroke, and whether the mechanism stands there."""
+        """Return the curves over the stroke, and the stability at each stroke."""
         over = ("stroke",)
         curves = {name: Column(over, values, self.units[name]) for name, values in self.curves.items()}
         stable = {"held_stable": Column(over, self.held_stable), "free_stable": Column(over, self.free_stable)}
@@ -142,12 +148,12 @@ class Verdict(Labelled):
         width = max(len(name) for name in rows) + 2
         lines = [title, *(f"  {name:<{width}}{text}" for name, text in rows.items()), ""]
         names = {f"stroke [{self.unit}]": self.stroke, **{f"{n} [{self.units[n]}]": c for n, c in self.curves.items()}}
-        # One column a stroke: more curves make no wider page.
+        # Strokes are columns, so that further curves do not widen the page.
         left = max(map(len, names)) + 2
         return "\n".join(lines + [f"  {n:<{left}}" + "".join(f"{v:>10.3g}" for v in c) for n, c in names.items()])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain keys and values, as the command line writes them."""
+        """Return plain keys and values for the JSON of the command line."""
         found = self.sensitivities
         table = {} if found is None else dict(zip(found.answers, found.table, strict=True))
         return {
@@ -168,7 +174,7 @@ class Verdict(Labelled):
 
 
 def rows_of(page: Verdict) -> dict[str, str]:
-    """Rows of the page by subject."""
+    """Return the rows of the page by subject."""
     curves, rest = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
     force = curves["force"]
     low, high = (page.measured("force", i) for i in (most(-force), most(force)))
@@ -199,14 +205,14 @@ def rows_of(page: Verdict) -> dict[str, str]:
 
 
 def most(values: np.ndarray) -> int:
-    """Index of the largest number, (n,); the last one of several that only round-off separates."""
+    """Return the index of the largest of n numbers, the last index of numbers that are equal within round-off."""
     known = np.where(np.isnan(values), -np.inf, values)
     top = np.max(known)
     return int(np.flatnonzero(known >= top * (1 - np.sign(top) * EQUAL_OVER_STROKE))[-1])
 
 
 def _parasitic(page: Verdict, name: str, rest: int) -> str:
-    """Motion of the node along or about one axis; empty if there is none."""
+    """Return the parasitic motion of the node along or about an axis; empty for no motion."""
     i = most(np.abs(page.curves[name]))
     if abs(page.curves[name][i]) <= STRAIGHT_MOTION * np.max(np.abs(page.stroke)):
         return ""
@@ -214,7 +220,7 @@ def _parasitic(page: Verdict, name: str, rest: int) -> str:
 
 
 def _stiffness(page: Verdict, name: str, rest: int) -> str:
-    """Stiffness of the node along or about one axis, and its loss."""
+    """Return the stiffness of the node along or about an axis, and its loss over the stroke."""
     values, axis = page.curves[name], name.split()[-1]
     if np.all(np.isinf(values)):
         return f"{axis} rigid in this model"
@@ -226,7 +232,7 @@ def _stiffness(page: Verdict, name: str, rest: int) -> str:
 
 
 def _stability(page: Verdict) -> str:
-    """Multiple of the constant loads at which it buckles, and strokes at which it is unstable."""
+    """Return the unstable strokes, and the multiple of the constant loads at buckling."""
     text = "stable"
     if not np.all(page.held_stable):
         falls = np.flatnonzero(~page.held_stable)
@@ -244,7 +250,7 @@ def _stability(page: Verdict) -> str:
 
 
 def _first(page: Verdict) -> str:
-    """Limits that are reached, or the nearest one."""
+    """Return the limits that are reached; otherwise the most used limit."""
     reached = [f"{limit.name} at {measured(s, page.unit)}" for limit in page.limits if (s := limit.stroke) is not None]
     if reached:
         return ", then ".join(reached)
@@ -256,7 +262,7 @@ def _first(page: Verdict) -> str:
 
 
 def _by_dimension(page: Verdict) -> str:
-    """Dimensions that move the first limit, the most effective first."""
+    """Return the dimensions that change the first limit, the most effective dimension first."""
     if page.sensitivities is None:
         return "give a function of them: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
     if not page.limits:
@@ -265,7 +271,7 @@ def _by_dimension(page: Verdict) -> str:
     row = found.table[found.answers.index(first.name)]
     if not np.any(np.isfinite(row)):
         return f"{first.name} has no derivative by them"
-    # Of two ends of a limit the upper one counts.
+    # For a limit with both ends, the upper end counts.
     wanted = 1 if first.upper is None else -1
     advice, sizes = [], np.abs(np.nan_to_num(row))
     for i in np.argsort(-sizes):

@@ -38,11 +38,11 @@ class Lean(Result):
         ties: Number of combinations of the other deformations that are FIXED.
         bandwidth: Bandwidth of the question [Hz].
         tolerance: Tolerance of the question.
-        full_frequencies: Natural frequencies of the full model up to the first above the band [Hz].
-        frequencies: The same of the lean model [Hz].
+        full_frequencies: Natural frequencies of the full model in the band, and the next higher one [Hz].
+        frequencies: Natural frequencies of the lean model, the same number [Hz].
         restriction: Restriction that :meth:`of` applies.
-        in_deviations: Lean less full model in standard deviations of measured answers, by question [-]; empty without
-            ``deviations``.
+        in_deviations: Answer of the lean model minus answer of the full model, in standard deviations of the
+            measurement, by question [-]; empty without ``deviations``.
     """
 
     model: Model
@@ -59,7 +59,7 @@ class Lean(Result):
     in_deviations: dict[str, float] = dataclasses.field(default_factory=dict)
 
     def summary(self) -> Summary:
-        """Return the degrees of freedom that are left, and the error."""
+        """Return the degrees of freedom of the lean model, and the error."""
         full, kept, e = self.full.topology.n_q, self.model.topology.n_q, self.error
         rows = {
             "frequencies": f"{listed(self.frequencies, 'Hz')} within {100 * e.frequencies:.2g} %",
@@ -92,7 +92,7 @@ class Lean(Result):
         return self.restriction.of(model)
 
     def report(self) -> str:
-        """Return what was left out, and the error."""
+        """Return the omitted deformations and the error."""
         full, lean_ = self.full.topology, self.model.topology
         hertz = ", ".join(f"{f:.6g}" for f in self.full_frequencies)
         lines = [
@@ -118,7 +118,7 @@ class Lean(Result):
 
 
 def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]) -> list[np.ndarray]:
-    """Motions to keep at each state: modes of the band, and static responses until the tolerance is met."""
+    """Return the motions to keep at each state: modes of the band, and static responses until the tolerance is met."""
     found = []
     for state, shapes in zip(full, bands, strict=True):
         z = shapes
@@ -126,7 +126,7 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
         while z.shape[1] < len(state.K):
             if deviation(state, state.restricted(z), bandwidth).worst <= tolerance:
                 break
-            # Part of each static response that is missing, by energy.
+            # Missing part of each static response, and its share in energy.
             missing = candidates - z @ np.linalg.solve(z.T @ state.K @ z, z.T @ state.K @ candidates)
             size = np.einsum("ij,ij->j", missing, state.K @ missing)
             whole = np.einsum("ij,ij->j", candidates, state.K @ candidates)
@@ -150,7 +150,7 @@ def lean(
     finest: int = FINEST,
     deviations: Mapping[str, float] | None = None,
 ) -> Lean:
-    """The smallest model that answers a question within a tolerance, and its error.
+    """Find the smallest model that answers a question within a tolerance, and its error.
 
     Each leaf spring has as few beams as possible. flexmb fixes deformations that are negligible in the band.
     Constraints between the other deformations ("ties") leave only the natural modes of the band. Where necessary they
@@ -161,28 +161,28 @@ def lean(
         model: Full model; or a function of the number of beams of each leaf spring that builds it.
         bandwidth: Highest frequency of the question [Hz].
         tolerance: Relative error of natural frequencies, stiffness and frequency responses.
-        nodes: Nodes whose compliance in all directions matters, beside the model's inputs and outputs.
+        nodes: Nodes whose compliance in all directions is part of the question, beside inputs and outputs.
         increments: Factors of the incremental loads at which flexmb compares the models, such as strokes.
         finest: Number of beams of a leaf spring in the full model, if ``model`` is a function.
-        deviations: Standard deviations with which answers can be measured, by question, such as
-            ``{"frequency 1": 0.1}``. The lean model is compared with the full one, of the finest beams, against them.
+        deviations: Standard deviations of measured answers, by question, such as ``{"frequency 1": 0.1}``. flexmb
+            compares the answers of the lean model and of the full model in these units. If ``model`` is a function,
+            this full model has ``finest`` beams per leaf spring.
 
     Returns:
         Lean. Its ``model`` is an ordinary model with new deformations named "tie".
 
     Raises:
-        ModelError: bandwidth or tolerance is not positive, a node does not exist, increments are no numbers, finest is
-            below two, the function has no arguments, or a deviation is not positive.
+        ModelError: bandwidth or tolerance is not positive. A node does not exist. increments are no finite numbers.
+            finest is below two. The function has no arguments. A deviation is not positive.
         KeyError: There is no such question.
         AnalysisError: An equilibrium fails or is unstable, or no smaller model meets the tolerance.
 
     Warns:
-        FlexmbWarning: The lean model differs in an answer by more than half of its deviation: the data deserve a
-            smaller tolerance.
+        FlexmbWarning: An answer of the lean model differs by more than half a standard deviation. Lower the tolerance.
 
     Source:
-        Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313; here as constraints between the
-        deformations of the elements, so that the lean model moves through large displacements.
+        Modes and static responses: Craig, Bampton (1968), AIAA Journal 6, 1313. flexmb applies them as constraints
+        between the deformations of the elements. The lean model therefore allows large displacements.
     """
     if not isinstance(model, Model) and not callable(model):
         raise ModelError(f"Argument `model` must be a Model or a function that builds it, not {type(model).__name__}.")
@@ -255,14 +255,14 @@ def _deviation(name: str, size: Any) -> float:
 
 
 def _tell_beyond_scatter(against: Mapping[str, float]) -> None:
-    """Warn of answers in which a lean model differs by more than their scatter hides."""
+    """Warn of answers in which the lean model differs by more than HIDDEN deviations."""
     if beyond := [name for name, size in against.items() if abs(size) > HIDDEN]:
         listed_names = ", ".join(f"'{name}' ({against[name]:+.2g} deviations)" for name in beyond)
         warn(f"The lean model differs by more than half of the scatter in {listed_names}. Lower `tolerance`.")
 
 
 def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:
-    """Refuse a bandwidth or tolerance that is not positive, and nodes that do not exist."""
+    """Raise ModelError if bandwidth or tolerance is not positive, or a node does not exist."""
     for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
         try:
             check_number(name, value, above=0)
@@ -276,7 +276,7 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
 
 
 def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
-    """Restriction with deformations to FIX and to tie; None if nothing is left out."""
+    """Return the restriction, the deformations to FIX and the number of ties; None if nothing is left out."""
     top = model.topology
     free = np.sort(np.asarray(top.e.free))
     stiffness = np.diag(np.asarray(states[0].matrices.S))
@@ -333,7 +333,7 @@ def _fewest_beams(
     increments: Sequence[float],
     finest: int,
 ) -> tuple[Model, dict[str, int], Deviation]:
-    """Model with the fewest beams of each leaf spring, their numbers, and the error."""
+    """Return the model with the fewest beams of each leaf spring, the numbers of beams, and the error."""
     names = list(inspect.signature(build).parameters)
     if not names:
         raise ModelError("The function of lean() has no arguments. It needs numbers of beams of leaf springs.")
@@ -347,7 +347,7 @@ def _fewest_beams(
 
     counts: dict[str, int] = {name: finest for name in names}
     model, reference = responses(counts)
-    # Convergence is of order two or higher: the error is at most a third of the change by the last halving.
+    # Convergence has order two or higher. The error is then at most a third of the change by the last doubling.
     half = difference(reference, responses(dict.fromkeys(names, max(finest // 2, 1)))[1])
     left = Deviation(*(value / 3 for value in dataclasses.astuple(half)))
     spent = left

@@ -1,6 +1,6 @@
-"""Designs that cannot be built: the checks of a concrete build, on the numbers of many designs.
+"""Designs that cannot be built: the checks of a concrete build for many designs.
 
-A traced build does not know its numbers: a negative thickness would have a frequency.
+A traced build cannot check its numbers: it would compute a frequency for a negative thickness.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -23,12 +23,11 @@ from .evaluate import told_of, traceable
 def refusal(
     build: Callable[..., Any], models: list[Model], example: Mapping[str, Any]
 ) -> Callable[[Mapping[str, Any]], np.ndarray]:
-    """A function that tells of many designs whether a concrete build would refuse them.
+    """Return a function from many designs to whether a concrete build would refuse each design, (designs,).
 
-    The build is traced to a program from dimensions to the numbers of its models and to the conditions that arguments
-    of blocks and sections must meet (:func:`flexmb.arguments.noting`). On the host, numbers must be finite, and
-    sections and the ``check`` of elements must find no fault. Checks that find faults in the example, which was built,
-    are left out.
+    A program, traced from the build, computes the numbers of the models and the conditions on arguments of blocks and
+    sections (:func:`flexmb.arguments.noting`). The host then checks that all numbers are finite and runs the checks of
+    sections and elements. It ignores each check that finds a fault in the example, which was built.
     """
 
     def numbers(dimensions: dict[str, Any]):
@@ -57,7 +56,7 @@ def refusal(
 
 
 def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
-    """Results of each check of a model of many designs, (designs, places), True for a fault."""
+    """Yield the result of each check of a model, (designs, places): True for a fault."""
     for leaf in jax.tree.leaves(parameters):
         yield ~np.isfinite(leaf.reshape(len(leaf), -1))
     for ask, numbers, function in checks_of(parameters, topology):
@@ -65,7 +64,7 @@ def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
 
 
 def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[..., Any]) -> np.ndarray:
-    """Whether there are faults in a tree of numbers stacked twice, (designs, elements); equal numbers once."""
+    """Return whether each element of each design has a fault, (designs, elements); equal numbers are checked once."""
     leaves, structure = jax.tree.flatten(trees)
     designs, elements = leaves[0].shape[:2]
     if function.__module__.startswith("flexmb.") and not faults(trees):
@@ -83,6 +82,6 @@ def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[...
         except ModelError:
             return True
 
-    # Numbers that are not finite are a fault already, and a check may fail on them.
+    # The first check finds numbers that are not finite. Other checks may raise on them.
     found = np.array([np.all(np.isfinite(row)) and faulty(row) for row in different], bool)
     return found[places.ravel()].reshape(designs, elements)

@@ -1,4 +1,4 @@
-"""Robustness of a design: yield, percentiles and worst cases of its answers over many made mechanisms."""
+"""Robustness of a design: yield, percentiles and worst cases over many made mechanisms."""
 
 import dataclasses
 from collections.abc import Mapping
@@ -23,7 +23,7 @@ SHOWN = (5.0, 50.0, 95.0)
 
 
 class Estimate(NamedTuple):
-    """A number of many made mechanisms, estimated from random ones.
+    """An estimate from random made mechanisms.
 
     Attributes:
         value: Estimate.
@@ -40,15 +40,15 @@ class Estimate(NamedTuple):
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Robustness(Result):
-    """Answers of many made mechanisms of one design.
+    """Answers of many made mechanisms of the same design.
 
     Attributes:
         nominal: Answers of the nominal design, by name [their units].
         limits: Lower and upper limit by name, None for no limit.
-        fraction: Yield: share of mechanisms that have answers and keep all limits [-], as an Estimate.
-        fractions: Share that keeps the limits of one answer [-], an Estimate by name.
+        fraction: Yield: Estimate of the share of mechanisms with answers within all limits [-].
+        fractions: Estimate of the share of mechanisms within the limits of each answer, by name [-].
         samples: Sweep of the mechanisms.
-        level: Of the confidence intervals [-].
+        level: Level of the confidence intervals [-].
     """
 
     nominal: dict[str, np.ndarray]
@@ -62,18 +62,18 @@ class Robustness(Result):
         """Return a percentile of one number of an answer.
 
         Args:
-            name: Name of an answer, or of an entry as "frequencies[0]".
+            name: Name of an answer or of an entry, such as "frequencies[0]".
             percent: Share of mechanisms with a smaller or equal answer, 0 to 100 [%].
 
         Returns:
-            Estimate; an end of its interval is infinite where the samples do not reach it [unit of the answer].
+            Estimate [unit of the answer]. An end of its interval is infinite if it lies beyond all samples.
 
         Raises:
             KeyError: There is no such answer.
             ValueError: The answer has several numbers, or the percentage is not between 0 and 100.
 
         Source:
-            Intervals by order statistics, free of a distribution: Conover 1999, 3.2.
+            Intervals by order statistics, for any distribution: Conover 1999, 3.2.
         """
         from scipy.stats import binom
 
@@ -88,7 +88,7 @@ class Robustness(Result):
         """Return the mean of one number of an answer.
 
         Args:
-            name: As of :meth:`percentile`.
+            name: Name as for :meth:`percentile`.
         """
         from scipy.stats import norm
 
@@ -100,15 +100,15 @@ class Robustness(Result):
         """Return the standard deviation of one number of an answer [its unit].
 
         Args:
-            name: As of :meth:`percentile`.
+            name: Name as for :meth:`percentile`.
         """
         return float(np.std(self._known(name), ddof=1))
 
     def worst(self, name: str) -> tuple[tuple[float, dict[str, Any]], tuple[float, dict[str, Any]]]:
-        """Return the lowest and the highest value among the samples, each with the parameters of its mechanism.
+        """Return the lowest and the highest value of the samples, each with the parameters of its mechanism.
 
         Args:
-            name: As of :meth:`percentile`.
+            name: Name as for :meth:`percentile`.
         """
         column = np.where(np.isin(self.samples.codes, ANSWERED), self.samples.column(name), np.nan)
         rows = int(np.nanargmin(column)), int(np.nanargmax(column))
@@ -121,7 +121,7 @@ class Robustness(Result):
         return self.samples.column(name)[np.isin(self.samples.codes, ANSWERED)]
 
     def summary(self) -> Summary:
-        """Return the yield, and percentiles of each answer."""
+        """Return the yield and percentiles of each answer."""
         rows = {}
         if self.limits:
             rows["yield"] = _in_percent(self.fraction)
@@ -153,27 +153,28 @@ def robustness(
     together: Count = 1,
     progress: Any = False,
 ) -> Robustness:
-    """Yield, percentiles and worst cases of a design whose parameters scatter.
+    """Compute yield, percentiles and worst cases of a design with scatter.
 
     Args:
-        build: Function of the dimensions and of the parameters that scatter, by name, that returns a model.
+        build: Function that returns a model. Its arguments are the dimensions and the parameters with scatter.
         answers: See :func:`flexmb.sweep`.
         dimensions: Nominal dimensions by name [SI].
-        scatter: Of :func:`flexmb.scatter`.
-        limits: Lower and upper value by name of an answer, None for no limit. A mechanism outside is no good.
+        scatter: Scatter from :func:`flexmb.scatter`.
+        limits: Lower and upper value by name of an answer, None for no limit. A mechanism outside a limit does not
+            count as good in the yield.
         samples: Number of random mechanisms.
         seed: Seed of the random numbers.
-        level: Of the confidence intervals [-].
+        level: Level of the confidence intervals [-].
         chunk: See :func:`flexmb.sweep`.
         together: See :func:`flexmb.sweep`.
         progress: See :func:`flexmb.sweep`.
 
     Returns:
-        Robustness. A mechanism without answers is no good for the yield, and is left out of percentiles.
+        Robustness. A mechanism without answers does not count as good in the yield. Percentiles leave it out.
 
     Raises:
-        ValueError: A parameter has no nominal value, a limit belongs to no answer or is empty, the level is not between
-            0 and 1, or fewer than two mechanisms have answers. As :func:`flexmb.sweep` raises.
+        ValueError: A parameter has no nominal value. A limit belongs to no answer or is empty. The level is not between
+            0 and 1. Fewer than two mechanisms have answers. Also the errors of :func:`flexmb.sweep`.
 
     Warns:
         FlexmbWarning: Some mechanisms have no answers.
@@ -188,7 +189,7 @@ def robustness(
         if name not in names:
             raise ValueError(f"Limits of '{clean(name)}': there is no such answer ({', '.join(names)}).")
     drawn = scatter.draw(samples, dimensions, seed)
-    # The first one is the nominal design.
+    # The first design is the nominal one.
     every = {name: np.concatenate([value[None], drawn[name]]) for name, value in values.items()}
     both = sweep(build, answers, every, chunk=chunk, together=together, progress=progress)
     ran = both.selected(slice(1, None))
@@ -196,7 +197,8 @@ def robustness(
     if np.sum(answered) < 2:
         raise ValueError(f"Fewer than two of {samples} mechanisms have answers: {ran.failures()}.")
     if not np.all(answered):
-        warn(f"Of {samples} mechanisms {np.sum(~answered)} have no answers ({ran.failures()}). None of them is good.")
+        without = f"Of {samples} mechanisms {np.sum(~answered)} have no answers ({ran.failures()})."
+        warn(f"{without} They do not count as good in the yield.")
     kept = {name: answered & _within(name, ran.answers[name], pair) for name, pair in (limits or {}).items()}
     good = np.logical_and.reduce(list(kept.values())) if kept else answered
     fractions = {name: _share(rows, level) for name, rows in kept.items()}
@@ -205,7 +207,7 @@ def robustness(
 
 
 def _within(name: str, values: np.ndarray, pair: Any) -> np.ndarray:
-    """Which designs keep the limits of an answer in all entries, (designs,)."""
+    """Return whether all entries of an answer are within its limits, (designs,)."""
     lower, upper = limits_of(name, values.shape[1:], pair)
     rows = values.reshape(len(values), -1)
     fine = np.ones(rows.shape, bool)

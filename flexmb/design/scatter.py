@@ -1,4 +1,4 @@
-"""Scatter of the parameters of made mechanisms: distributions about nominal values, and their correlation."""
+"""Scatter of parameters: distributions of made mechanisms about nominal values, with correlation."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -15,7 +15,7 @@ from .evaluate import Layout, layout_of
 KINDS = ("normal", "lognormal", "uniform", "triangular")
 # Largest probability whose quantile is finite: the largest number below 1.
 LARGEST_SHARE = 1 - 2.0**-53
-# Range and number of standard normal scores at which moments are integrated, and terms of Mehler's series.
+# Range and number of standard normal scores for the quadrature of moments; number of terms of Mehler's series.
 SCORES, POINTS, TERMS = 8.5, 20_001, 40
 
 
@@ -25,8 +25,8 @@ class Spread:
 
     Attributes:
         kind: One of KINDS, or "own" for an object with ``ppf``.
-        sizes: Numbers of the distribution, one or two.
-        own: Object with ``ppf``, of deviations from the nominal value.
+        sizes: One or two numbers of the distribution; none if ``kind`` is "own".
+        own: Distribution of the deviations from the nominal value, an object with ``ppf``; otherwise None.
     """
 
     kind: str
@@ -35,11 +35,11 @@ class Spread:
 
     @property
     def relative(self) -> bool:
-        """Whether the nominal value is multiplied, in place of a deviation added."""
+        """Whether deviations are relative to the nominal value; otherwise they are absolute."""
         return self.kind == "lognormal"
 
     def of_scores(self, scores: np.ndarray) -> np.ndarray:
-        """Deviations [SI], or relative deviations, of standard normal scores."""
+        """Return deviations [SI], or relative deviations [-], at standard normal scores."""
         from scipy.special import ndtr
 
         if self.kind == "normal":
@@ -53,7 +53,7 @@ class Spread:
         width = upper - lower
         if self.kind == "uniform":
             return lower + width * below
-        # The nominal value is the most probable one.
+        # The density of the triangle is largest at the nominal value, deviation 0.
         rising = lower + np.sqrt(below * width * -lower)
         falling = upper - np.sqrt(share * width * upper)
         return np.where(below * width < -lower, rising, falling)
@@ -61,10 +61,10 @@ class Spread:
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Scatter(Result):
-    """Joint distribution of parameters about their nominal values. Make one with :func:`scatter`.
+    """Joint distribution of parameters about their nominal values, from :func:`scatter`.
 
     Attributes:
-        spreads: Distribution by name of a parameter; every entry of an array has it, independently.
+        spreads: Distribution by name of the parameter. All entries of an array have the same distribution.
         correlation: Correlation of the normal scores of two parameters, by their names [-].
         nominal: Nominal values of parameters that are no dimensions of the design, by name [SI].
     """
@@ -84,15 +84,15 @@ class Scatter(Result):
         return Summary(f"Scatter of {len(self.spreads)} parameters", rows)
 
     def draw(self, count: int, dimensions: Mapping[str, Any], seed: int = 0) -> Designs:
-        """Random designs about nominal dimensions.
+        """Return random designs about nominal dimensions.
 
         Args:
             count: Number of designs.
-            dimensions: Nominal values by name [SI]; those in ``nominal`` may be left out.
+            dimensions: Nominal values by name [SI]. Parameters in ``nominal`` may be omitted.
             seed: Seed of the random numbers.
 
         Returns:
-            Designs, with all dimensions and all parameters that scatter.
+            Designs with all dimensions and all parameters that scatter.
 
         Raises:
             ValueError: A parameter has no nominal value, or the correlations contradict each other.
@@ -105,7 +105,7 @@ class Scatter(Result):
 
 
 def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Nominal values of the dimensions, and of the parameters that only scatter; ValueError if one is missing."""
+    """Return nominal values of dimensions and of other parameters with scatter; ValueError for a missing value."""
     values = {name: numbers(f"Dimension '{name}'", value) for name, value in dimensions.items()}
     values |= {name: value for name, value in scatter.nominal.items() if name not in values}
     for name in scatter.spreads:
@@ -115,7 +115,7 @@ def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str,
 
 
 def even_scores(count: int, layout: Layout, seed: int) -> Float[np.ndarray, "count n"]:
-    """Independent standard normal scores that cover each distribution evenly (Latin hypercube)."""
+    """Return independent standard normal scores, stratified by a Latin hypercube."""
     from scipy.special import ndtri
     from scipy.stats import qmc
 
@@ -124,9 +124,9 @@ def even_scores(count: int, layout: Layout, seed: int) -> Float[np.ndarray, "cou
 
 
 def applied(scatter: Scatter, scores: np.ndarray, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """What is added to the parameters, and by what they are multiplied before, (count, n), from scores, (count, n).
+    """Return terms [SI] and factors [-], both (count, n): a parameter is its nominal value times factor plus term.
 
-    The scores are independent; the copula correlates them.
+    The scores, (count, n), are independent. The copula correlates them.
     """
     correlated = scores @ correlation_root(scatter, layout).T
     added, factor = np.zeros(scores.shape), np.ones(scores.shape)
@@ -138,7 +138,7 @@ def applied(scatter: Scatter, scores: np.ndarray, layout: Layout) -> tuple[np.nd
 
 
 def by_label(scatter: Scatter, layout: Layout) -> list[Spread | None]:
-    """Distribution of each entry of the parameters, None for those that do not scatter."""
+    """Return the distribution of each entry of the parameters; None for an entry without scatter."""
     found: list[Spread | None] = []
     for name, size in zip(layout.names, layout.sizes, strict=True):
         found += [scatter.spreads.get(name)] * size
@@ -146,7 +146,7 @@ def by_label(scatter: Scatter, layout: Layout) -> list[Spread | None]:
 
 
 def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n"]:
-    """Lower triangular factor of the correlation matrix of the normal scores."""
+    """Return the lower triangular factor of the correlation matrix of the normal scores."""
     labels, spreads = layout.labels, by_label(scatter, layout)
     matrix = np.eye(len(labels))
     for pair, value in scatter.correlation.items():
@@ -165,7 +165,7 @@ def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n
 
 
 def moments(scatter: Scatter, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:
-    """Mean deviation from the nominal values, (n,), and covariance, (n, n) [SI].
+    """Return mean deviations from the nominal values, (n,), and their covariance, (n, n) [SI].
 
     Source:
         Mehler's series: E[He_k(x) He_l(y)] = delta_kl k! r^k for normal x, y of correlation r.
@@ -201,33 +201,33 @@ def scatter(
     correlation: Mapping[tuple[str, str], float] | None = None,
     nominal: Mapping[str, Any] | None = None,
 ) -> Scatter:
-    """Scatter of the parameters of made mechanisms about their nominal values.
+    """Describe the scatter of the parameters of made mechanisms about their nominal values.
 
     Args:
-        distributions: By name of a dimension or another argument of ``build``. A number is the standard deviation of a
-            normal distribution [SI]. Otherwise a tuple:
+        distributions: Distribution by name of a dimension or of another argument of ``build``:
 
-            - ``("normal", deviation)``;
-            - ``("lognormal", deviation)``: the nominal value is the median, and the deviation belongs to its natural
-              logarithm [-];
-            - ``("uniform", width)`` or ``("uniform", lower, upper)``: deviations within plus and minus the width, or
-              from the lower (negative) to the upper (positive) one [SI];
-            - ``("triangular", width)`` or ``("triangular", lower, upper)``: the same, most probable at the nominal
-              value.
-
-            Or an object with ``ppf``, such as a distribution of ``scipy.stats``, of deviations from the nominal value.
-        correlation: By pair of names, such as ``{("left", "right"): 0.9}``: correlation of the normal scores of two
-            parameters, -1 to 1 (Gaussian copula). For two normal distributions it is their correlation.
-        nominal: Nominal values of scattering parameters that are no dimensions of the design, such as a modulus, by
-            name [SI].
+            - a number, the standard deviation of a normal distribution [SI];
+            - ``("normal", deviation)``, the same;
+            - ``("lognormal", deviation)``: the nominal value is the median, ``deviation`` is the standard deviation of
+              the natural logarithm [-];
+            - ``("uniform", width)``: deviations between -width and +width [SI];
+            - ``("uniform", lower, upper)``: deviations between lower (at most 0) and upper (at least 0) [SI];
+            - ``("triangular", width)`` and ``("triangular", lower, upper)``: the same ranges [SI], with the largest
+              density at the nominal value;
+            - an object with ``ppf``, such as a distribution of ``scipy.stats``: distribution of the deviations.
+        correlation: Correlation of the normal scores of two parameters (Gaussian copula), between -1 and 1, by pair of
+            names: ``{("left", "right"): 0.9}``. For two normal distributions it equals the correlation of the
+            parameters.
+        nominal: Nominal values of parameters with scatter that are no dimensions of the design, by name [SI]. An
+            example is a modulus.
 
     Returns:
-        Scatter, which ``fm.design.monte_carlo``, ``fm.design.tolerances``, ``fm.design.robustness`` and ``fm.tune``
-        take. Every entry of an array scatters independently, unless a correlation names entries ("height[0]").
+        Scatter for ``fm.design.monte_carlo``, ``fm.design.tolerances``, ``fm.design.robustness`` and ``fm.tune``. The
+        entries of an array are independent. To correlate two entries, name them in ``correlation`` ("height[0]").
 
     Raises:
-        ValueError: An unknown distribution, a deviation that is not positive, bounds that do not enclose the nominal
-            value, or a correlation that is not between -1 and 1, of one name, or of a parameter without scatter.
+        ValueError: A distribution is unknown. A deviation is not positive. Bounds do not enclose zero. A correlation
+            is not between -1 and 1, names one parameter twice, or names a parameter without scatter.
 
     Source:
         Gaussian copula: Nelsen 2006. x = F^-1(Phi(z)), with correlated standard normal scores z.

@@ -18,13 +18,13 @@ from ..results import NO_DERIVATIVE, RESULTS, check
 from .designs import numbers
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 
-# A reverse pass costs about this many forward ones (benchmarks/first_impression.py: value and gradient against value).
+# Cost of a reverse pass over the cost of a forward pass (benchmarks/first_impression.py).
 REVERSE_COST = 2.0
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Sensitivities(Result):
-    """First derivatives of answers by dimensions, and second ones if wanted.
+    """First derivatives of answers by dimensions, and second derivatives if wanted.
 
     Attributes:
         answers: Name of each of the m answers, such as "stiffness[1]".
@@ -32,7 +32,7 @@ class Sensitivities(Result):
         values: Answers, (m,) [their units].
         point: Dimensions, (n,) [SI].
         slopes: d answer/d dimension, (m, n) [their units].
-        table: d ln(answer)/d ln(dimension), (m, n) [-]: percent of the answer for one percent of the dimension. Not
+        table: d ln(answer)/d ln(dimension), (m, n) [-]: percent of the answer for one percent of the dimension; not
             finite if the answer is zero.
         curvatures: d2 answer/d dimension d dimension, (m, n, n) [their units], or None.
         mode: "forward" or "reverse".
@@ -58,7 +58,7 @@ class Sensitivities(Result):
         return for_files("pandas").DataFrame(self.table, index=list(self.answers), columns=list(self.dimensions))
 
     def summary(self) -> Summary:
-        """Return each answer with its change for a percent of the most effective dimension."""
+        """Return each answer with its change for one percent of the most effective dimension."""
         rows = {}
         for name, value, row in zip(self.answers, self.values, self.table, strict=True):
             rows[name] = f"{short(value)}, {largest(row, self.dimensions, '%', 'per % of')}"
@@ -86,14 +86,14 @@ def sensitivities(
     mode: Literal["forward", "reverse"] | None = None,
     throw: bool = True,
 ) -> Sensitivities:
-    """Derivatives of answers by the dimensions of a mechanism.
+    """Compute derivatives of answers by the dimensions of a mechanism.
 
     Args:
         build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
             chooses them once, at these dimensions.
-        answers: Functions of the model that return numbers, or questions such as "frequency 1": one, several, or a
-            dictionary by name.
-        dimensions: Numbers or arrays by name, n in all [SI].
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
+            answers, or a dictionary by name.
+        dimensions: Numbers or arrays by name, n numbers in all [SI].
         second_order: Whether to compute second derivatives.
         mode: Mode of differentiation; by default the cheaper one.
         throw: Raise if an analysis fails; otherwise ``result`` contains the code.
@@ -102,8 +102,11 @@ def sensitivities(
         Sensitivities with ``table`` (m, n) [-] and ``slopes`` (m, n).
 
     Raises:
-        ValueError: ``build`` does not accept a dimension, or lacks one.
+        ValueError: ``build`` does not accept a dimension, or needs an argument that is no dimension.
         AnalysisError: An analysis fails, or the state is critical and has no derivative.
+
+    Warns:
+        FlexmbWarning: The equilibrium is unstable.
 
     Source:
         Implicit differentiation of the equilibrium and of the eigenvalues (:func:`flexmb.equilibrium`,
@@ -115,7 +118,7 @@ def sensitivities(
 def derived(
     build: Build, answers: Answers, dimensions: Mapping[str, Any], second_order: bool, mode: str | None, throw: bool
 ) -> tuple[Sensitivities, Callable[[np.ndarray], Any]]:
-    """Sensitivities, and the compiled function from (n,) to values, slopes, curvatures and code."""
+    """Return sensitivities, and the compiled function from (n,) to values, slopes, curvatures and code."""
     dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
@@ -130,7 +133,7 @@ def derived(
     if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(np.isfinite(slopes)):
         result = RESULTS.not_finite
     if throw and result in NO_DERIVATIVE:
-        # Without derivatives this code is no failure.
+        # `check` below accepts this code, which has values but no derivatives.
         raise AnalysisError(result.name, result.message)
     subject = f"It concerns the sensitivities of {', '.join(functions)}."
     check(int(result), throw, subject)

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..arguments import Positive, check_number, check_numbers, check_whole, checked
 from ..math.derivative import DIFFERENTIATED
 
-# Largest number of halvings of a matrix before its exponential, and number of rounds that balance its units.
+# Largest number of halvings of a matrix before its exponential; number of iterations that balance the units.
 SQUARINGS, BALANCED = 64, 40
 
 
@@ -26,9 +26,9 @@ def settling_time(
     horizon: Positive,
     samples: Annotated[int, partial(check_whole, least=2)] = 500,
 ) -> Float[Array, ""]:
-    """Time after which an output of a linear system stays within a level.
+    """Return the time after which an output of a linear system stays within a level.
 
-    The system z' = A z starts at z(0), and the output is c z. For a step, z counts from the final state.
+    The system is z' = A z with start z(0) and output c z. For a step response, z is the state minus the final state.
 
     Args:
         matrix: A of the closed loop, (n, n) [1/s].
@@ -36,12 +36,11 @@ def settling_time(
         output: c, (n,).
         level: Level for |c z|, () [unit of the output].
         horizon: Time to consider [s].
-        samples: Number of times at which the output is evaluated first. Vibrations of shorter periods than some of
-            these steps may be missed.
+        samples: Number of time steps up to the horizon. flexmb may miss vibrations with a period of a few steps.
 
     Returns:
-        () [s]; zero if the output never exceeds the level, infinite if it is outside at the horizon. The time jumps
-        where one more swing exceeds the level; in between it is differentiable.
+        () [s]; zero if the output never exceeds the level, infinite if it exceeds the level at the horizon. The time
+        jumps when a further swing exceeds the level. Between the jumps it is differentiable.
 
     Raises:
         ValueError: level or horizon is not positive, there are fewer than two samples, or sizes do not agree.
@@ -59,7 +58,7 @@ def settling_time(
     onward = _exponential(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
     y = jax.lax.stop_gradient(z @ c)
-    # Numbers that have overflowed are outside too.
+    # This also counts overflowed numbers as outside.
     outside = ~(jnp.abs(y) <= level)
     last = samples - jnp.argmax(outside[::-1])
     side, after = jnp.sign(y[last]), jnp.minimum(last + 1, samples)
@@ -74,21 +73,21 @@ def settling_time(
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
     t = jnp.where(jnp.any(outside), t, 0.0)
     t = jnp.where(outside[samples], jnp.inf, t)
-    # An overflow does not settle. A NaN in the input gives a NaN.
+    # An overflow does not settle. The result is NaN only if the input has a NaN.
     unknown = jnp.isnan(level) | jnp.any(jnp.isnan(jnp.concatenate([a.ravel(), z0, c])))
     return jnp.where(unknown, jnp.nan, t)
 
 
 def _exponential(a: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    """exp(a), also of stiff matrices: halved as often as necessary."""
+    """Return exp(a), also for stiff matrices, by up to SQUARINGS halvings."""
     return jax.scipy.linalg.expm(a, max_squarings=SQUARINGS)
 
 
 def _balanced(a: Float[Array, "n n"], z: Float[Array, "n"], c: Float[Array, "n"]) -> tuple[Any, Any, Any]:
-    """The same system in units of the states that make rows and columns of its matrix alike.
+    """Return the same system with the units of its states scaled until row and column sums are equal.
 
-    Osborne (1960) multiplies each unit by the root of the quotient of its column and row sums. Here all units change at
-    once, by the root of that.
+    Osborne (1960) scales the states one after the other, each unit by the square root of row sum over column sum. Here
+    each iteration scales all states at once by the fourth root.
     """
     sizes, none = jax.lax.stop_gradient(jnp.abs(a) * (1 - jnp.eye(len(z)))), jnp.ones(len(z))
 

@@ -1,6 +1,6 @@
-"""Statistics of the answers of a design whose parameters scatter, with derivatives by its nominal dimensions.
+"""Statistics of the answers of a design with scatter, and their derivatives by the nominal dimensions.
 
-The same random numbers serve all designs of a search, so that statistics are functions of the dimensions alone.
+All designs of a search use the same random numbers. The statistics therefore depend on the dimensions alone.
 """
 
 import dataclasses
@@ -25,11 +25,11 @@ WORDS = r"(mean|deviation|percentile (\d+(?:\.\d+)?)) (.+)"
 
 
 class Statistic(NamedTuple):
-    """A statistic by its text.
+    """A statistic of an answer.
 
     Attributes:
         kind: "mean", "deviation" or "percentile".
-        percent: Of a percentile.
+        percent: Percentage of a percentile; otherwise 0.
         answer: Name of the answer.
     """
 
@@ -39,7 +39,7 @@ class Statistic(NamedTuple):
 
 
 def statistic_of(text: str, answers: Mapping[str, Any]) -> Statistic | None:
-    """The statistic that a text such as "percentile 95 stress" names; None if it names none of an answer."""
+    """Return the statistic with a name such as "percentile 95 stress"; None for any other text."""
     found = re.fullmatch(WORDS, text)
     if not found or found[3] not in answers:
         return None
@@ -51,13 +51,13 @@ def statistic_of(text: str, answers: Mapping[str, Any]) -> Statistic | None:
 
 @dataclasses.dataclass(frozen=True)
 class SampledDesign:
-    """The scatter of a search, and what is asked of it.
+    """The scatter of a search and the wanted statistics.
 
     Attributes:
         scatter: Joint distribution of the parameters.
         count: Number of made mechanisms of each design.
         seed: Seed of the random numbers.
-        statistics: Statistics by their texts.
+        statistics: Statistics by name, such as "mean mass".
         acceptable: Lower and upper limit by name of an answer, for the yield.
     """
 
@@ -69,7 +69,7 @@ class SampledDesign:
 
     @property
     def further(self) -> dict[str, np.ndarray]:
-        """Nominal values of parameters that are no dimensions."""
+        """Nominal values of parameters beside the dimensions."""
         return self.scatter.nominal
 
     def function(
@@ -79,14 +79,14 @@ class SampledDesign:
         layout: Layout,
         models: list[Model],
     ) -> tuple[Callable[[Any], Any], Layout]:
-        """Function from the dimensions to answers of the nominal design and statistics, and the layout of both."""
+        """Return the function from dimensions to nominal answers and statistics, and the layout of its values."""
         further = {name: value for name, value in self.further.items() if name not in layout.names}
         whole = Layout((*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values())))
         rest = layout_of(further).join(further)
         inner, of_answers = flat_function(build, functions, whole, models)
         scores = even_scores(self.count, whole, self.seed)
         added, factor = applied(self.scatter, scores, whole)
-        # The first one is the nominal design.
+        # The first row is the nominal design.
         added = np.concatenate([np.zeros((1, added.shape[1])), added])
         factor = np.concatenate([np.ones((1, factor.shape[1])), factor])
         shapes = dict(zip(of_answers.names, of_answers.shapes, strict=True))
@@ -116,7 +116,7 @@ def sampled_of(
     dimensions: Sequence[str],
     acceptable: Mapping[str, Any] | None,
 ) -> SampledDesign | None:
-    """Scatter of a search and the statistics among the names that are asked for; None without scatter."""
+    """Return the scatter of a search with the statistics among the ``asked`` names; None without scatter."""
     statistics = {text: one for text in asked if isinstance(text, str) and (one := statistic_of(text, answers))}
     statistics = {text: one for text, one in statistics.items() if text not in answers}
     wants_yield = YIELD in asked and YIELD not in answers
@@ -141,11 +141,11 @@ def sampled_of(
 
 
 def statistic_value(asked: Statistic, values: Float[Array, "... samples"]) -> Float[Array, "..."]:
-    """A statistic over the last axis.
+    """Return a statistic over the last axis.
 
     Source:
-        Percentiles: weighted means of order statistics, Harrell, Davis 1982. They are smooth where two samples change
-        places.
+        Percentiles: weighted means of order statistics, Harrell, Davis 1982. They stay continuous when two samples
+        change their order.
     """
     if asked.kind == "mean":
         return jnp.mean(values, axis=-1)
@@ -165,11 +165,11 @@ def _deviation(values: Array) -> Array:
 
 
 def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any, Any]]) -> Float[Array, ""]:
-    """Share of samples within all limits, each limit blurred by a normal distribution.
+    """Return the share of samples within all limits, with each limit blurred by a normal distribution.
 
     Source:
-        Kernel estimate of a distribution function, whose width falls with the cube root of the number of samples:
-        Azzalini 1981.
+        Kernel estimate of a distribution function: Azzalini 1981. The width of the kernel is the standard deviation of
+        the answer over the cube root of the number of samples.
     """
     kept: Any = 1.0
     for name, (lower, upper) in acceptable.items():
@@ -182,7 +182,7 @@ def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any
             if limit is not None:
                 edge = jnp.broadcast_to(jnp.asarray(limit, float), samples.shape[:-1])[..., None]
                 margin = sign * (samples - edge)
-                # Where nothing scatters, the step itself.
+                # An answer without scatter is inside or outside.
                 inside = jnp.where(scatters, jax.scipy.special.ndtr(margin / width), (margin >= 0).astype(float))
                 kept = kept * jnp.prod(inside.reshape(-1, count), axis=0)
     return jnp.mean(kept)

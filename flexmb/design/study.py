@@ -1,4 +1,4 @@
-"""A design study from a TOML file: a model with named parameters, answers, and options of sweep and tune."""
+"""A design study from a TOML file: model, parameters, answers, and options of sweep and tune."""
 
 import contextlib
 import dataclasses
@@ -28,11 +28,11 @@ class Study:
         build: Function of the parameters that returns a model.
         answers: Functions of the model by name.
         values: Values of the parameters with bounds, by name.
-        bounds: Their lower and upper values.
-        scales: "log" or "linear" by name, if given; a sweep is linear by default.
-        wanted: Targets, limits and equal, and the options of tune.
+        bounds: Lower and upper value of these parameters, by name.
+        scales: "log" or "linear" by name, if given. A sweep is linear by default.
+        wanted: Targets, limits, equalities and options of tune.
         plan: Options of sweep.
-        choices: Values to choose from, by name.
+        choices: List of values of each choice, by name.
     """
 
     name: str
@@ -47,11 +47,11 @@ class Study:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of the input file's reader so far."""
+        """Warnings that the reader of the input file has given."""
         return list(getattr(self.build, "warnings", ()))
 
     def tune(self, **options: Any) -> Tuned:
-        """Run :func:`flexmb.tune`; StudyError with file and key if the study is wrong."""
+        """Run :func:`flexmb.tune`; a StudyError names the file."""
         wanted: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
         with self._named():
@@ -62,7 +62,7 @@ class Study:
                 raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
 
     def sweep(self, **options: Any) -> Sweep:
-        """Run :func:`flexmb.sweep`, compiled if the model and the answers can be traced."""
+        """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""
         if self.choices:
             raise StudyError(
                 f"{self.name}: [choices]: a sweep has none. Give one value of each as a parameter, or tune."
@@ -93,7 +93,7 @@ class Study:
         return True
 
     def designs(self) -> Designs:
-        """The designs of [sweep], even in the logarithm of parameters with scale "log"; others keep their values."""
+        """Return the designs of [sweep], evenly spaced in the logarithm of parameters with scale "log"."""
         plan, bounds = self.plan, self._bounded()
         with self._named("[sweep]"):
             if plan.get("kind", "grid") == "grid":
@@ -130,7 +130,7 @@ UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced 
 
 
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
-    """A sweep for JSON."""
+    """Return a sweep as data for JSON."""
     failed = sum(found.failures().values())
     return {
         "study": study.name,
@@ -146,7 +146,7 @@ def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
 
 
 def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
-    """A tuned design for JSON."""
+    """Return a tuned design as data for JSON."""
     good = found.result.name == "successful"
     return {
         "study": study.name,
@@ -179,5 +179,5 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
 
 
 def sweep_table(found: Sweep) -> str:
-    """Table of a sweep for the terminal."""
+    """Return the table of a sweep for the terminal."""
     return found.table() + (", see --json or --save" if len(found.codes) > ROWS else "")

@@ -1,4 +1,4 @@
-"""The TOML file of a design study: every key is known and of its kind, or an error names file and key."""
+"""Reader of the TOML file of a study: it checks every key, and an error names file and key."""
 
 import contextlib
 import difflib
@@ -33,7 +33,7 @@ from .study_values import (
 LARGEST_FILE = 16 * 2**20
 MOST_STARTS = 10_000
 
-# The schema: kinds by key. None stands for a table with names of the user as keys.
+# The schema: kinds by key. None marks a table whose keys the user chooses.
 PARAMETER: dict[str, Kind] = {
     "value": as_number,
     "lower": as_number,
@@ -90,18 +90,18 @@ PARTS: dict[str, Kind] = {
 
 
 def kinds() -> dict[str, Question]:
-    """Questions that a study may ask, by the key in a table."""
+    """Return the questions that a study may ask, by their key in a table."""
     asked = {q.name.replace(" ", "_") or "coordinate": q for q in questions().values() if q.differentiable}
     return {**asked, "load_multiplier": asked["multiplier"]}
 
 
 def read_study(path: str | os.PathLike) -> Study:
-    """Read a study; StudyError with file and key if it is wrong."""
+    """Read a design study; a StudyError names file and key."""
     return StudyReader(Path(path)).study()
 
 
 def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, ...]], list[str]]:
-    """Model, parameters and functions of a study, without calling any function."""
+    """Return model, parameters and functions of a study without calling any function."""
     reader = StudyReader(Path(path))
     with reader.named():
         model = as_text("model", reader.data.get("model", ""))
@@ -119,7 +119,7 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
 
 
 class StudyReader:
-    """The reader of one file."""
+    """Reader of one file."""
 
     def __init__(self, path: Path):
         self.path, self.name = path, clean(path.name)
@@ -143,7 +143,7 @@ class StudyReader:
             raise StudyError(f"{self.name}: {fault}") from fault.__cause__
 
     def study(self) -> Study:
-        """The study of a sweep or a search."""
+        """Return the study of a sweep or a search."""
         with self.named():
             self.check_tables("model", "answers")
             parameters = self.parameters()
@@ -168,7 +168,7 @@ class StudyReader:
             )
 
     def check_tables(self, *needed: str) -> None:
-        """Check the kinds of all tables, and that some are there."""
+        """Check the kinds of all tables, and that no needed table is missing or empty."""
         for table, content in self.data.items():
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
@@ -186,7 +186,7 @@ class StudyReader:
                 raise StudyError(f"'{table}' is missing or empty.")
 
     def parameters(self) -> dict[str, dict[str, Any]]:
-        """Value of each parameter, with optional bounds and scale."""
+        """Return the value of each parameter, with its bounds, scale and prior if given."""
         found = {}
         for name, given in self.data.get("parameters", {}).items():
             key = _key_of_name("parameters", name, "parameter")
@@ -204,7 +204,7 @@ class StudyReader:
         return found
 
     def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
-        """Values to choose from, by name."""
+        """Return the values of each choice by name."""
         found = {}
         for name, given in self.data.get("choices", {}).items():
             key = _key_of_name("choices", name, "choice")
@@ -221,7 +221,7 @@ class StudyReader:
         return found
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
-        """Function from the free parameters to the model."""
+        """Return the function from the free parameters to the model."""
         text, release, folder = self.data["model"], self.data.get("release"), self.path.parent
         about = f"{self.name}: model"
         if _is_function(text):
@@ -246,7 +246,7 @@ class StudyReader:
         return FromFile(self.name, source, content, release, fixed, free)
 
     def answer(self, name: str, given: Any) -> Callable[[Any], Any]:
-        """Function of the model for an entry of [answers]."""
+        """Return the function of the model for an entry of [answers]."""
         key = f"[answers] {clean(name)}"
         about = f"{self.name}: {key}"
         if isinstance(given, str) and ":" in given:
@@ -263,7 +263,7 @@ class StudyReader:
         return NamedAnswer(about, Asked(_text_of_question(key, kind, given)))
 
     def wanted(self, answers: tuple[str, ...]) -> dict[str, Any]:
-        """Arguments of tune."""
+        """Return the arguments of tune."""
         found: dict[str, Any] = {}
         for table in ("targets", "equal"):
             given = self.data.get(table, {})
@@ -282,7 +282,7 @@ class StudyReader:
         return {**found, **options}
 
     def plan(self, free: tuple[str, ...]) -> dict[str, Any]:
-        """Options of the sweep."""
+        """Return the options of the sweep."""
         given = dict(self.data.get("sweep", {}))
         kind = given.get("kind", "grid")
         for option in given:
@@ -298,7 +298,7 @@ class StudyReader:
 
 
 def _is_function(model: str) -> bool:
-    """Whether the model of a study is a function."""
+    """Return whether the model of a study is a function."""
     return ":" in model and not model.endswith(".dat")
 
 
@@ -321,7 +321,7 @@ def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:
 
 
 def _text_of_question(key: str, kind: str, given: Mapping[str, Any]) -> str:
-    """The text of a question in a table: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
+    """Return the text of a question in a table: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
     question, value = kinds()[kind], given[kind]
     takes = question.takes
     if takes and takes[0].endswith("?") and isinstance(value, bool):

@@ -1,4 +1,4 @@
-"""Values in the TOML file of a study: each kind is checked, and an error names the key."""
+"""Checks of the values in the TOML file of a study. An error names the key."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,12 +8,12 @@ import numpy as np
 
 from ..errors import StudyError, clean
 
-# A kind of values: a function of key and value that returns the value, or raises a StudyError with the key.
+# A kind of values: a function of key and value. It returns the checked value, or raises a StudyError with the key.
 Kind = Callable[[str, Any], Any]
 
 
 def as_number(key: str, value: Any) -> float:
-    """A finite number."""
+    """Return a finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise StudyError(f"{key} must be a number, not {clean(repr(value))}.")
     try:
@@ -26,14 +26,14 @@ def as_number(key: str, value: Any) -> float:
 
 
 def as_positive(key: str, value: Any) -> float:
-    """A positive number."""
+    """Return a positive number."""
     if as_number(key, value) <= 0:
         raise StudyError(f"{key} must be positive, but is {value:g}.")
     return float(value)
 
 
 def as_numbers(key: str, value: Any) -> Any:
-    """A number, or nested lists of numbers as an array."""
+    """Return a number, or nested lists of numbers as an array."""
     if not isinstance(value, list):
         return as_number(key, value)
     entries = [as_numbers(key, entry) for entry in value]
@@ -44,7 +44,7 @@ def as_numbers(key: str, value: Any) -> Any:
 
 
 def as_whole(least: int = 1, most: float = math.inf) -> Kind:
-    """Kind of whole numbers in a range."""
+    """Return the kind of whole numbers in a range."""
 
     def check(key: str, value: Any) -> int:
         if type(value) is not int or not least <= value <= most:
@@ -56,14 +56,14 @@ def as_whole(least: int = 1, most: float = math.inf) -> Kind:
 
 
 def as_text(key: str, value: Any) -> str:
-    """A text of printable letters."""
+    """Return a text of printable letters."""
     if not isinstance(value, str) or not value.isprintable():
         raise StudyError(f"{key} must be a text of printable letters, but is {clean(repr(value))}.")
     return value
 
 
 def as_choice(*known: str) -> Kind:
-    """Kind of texts from a list."""
+    """Return the kind of texts from a list."""
 
     def check(key: str, value: Any) -> str:
         if as_text(key, value) not in known:
@@ -74,28 +74,28 @@ def as_choice(*known: str) -> Kind:
 
 
 def as_node(key: str, value: Any) -> str:
-    """The name of a node."""
+    """Return the name of a node as a text."""
     if isinstance(value, bool) or not isinstance(value, str | int):
         raise StudyError(f"{key} must be the name of a node, but is {clean(repr(value))}.")
     return str(value)
 
 
 def as_pair(key: str, value: Any) -> tuple[float, float]:
-    """Mean and positive standard deviation."""
+    """Return a mean and a positive standard deviation."""
     if not isinstance(value, list) or len(value) != 2:
         raise StudyError(f"{key} must be a list of mean and standard deviation, but is {clean(repr(value))}.")
     return as_number(key, value[0]), as_positive(key, value[1])
 
 
 def as_flag(key: str, value: Any) -> bool:
-    """True or false."""
+    """Return true or false."""
     if not isinstance(value, bool):
         raise StudyError(f"{key} must be true or false, but is {clean(repr(value))}.")
     return value
 
 
 def checked_table(key: str, content: dict[str, Any], schema: Mapping[str, Kind], between: str = ": ") -> dict[str, Any]:
-    """The values of a table, each of its kind."""
+    """Return the checked values of a table."""
     for name in content:
         if name not in schema:
             raise StudyError(f"{key}: there is no '{clean(name)}'. Known keys: {', '.join(schema)}.")

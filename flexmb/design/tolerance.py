@@ -1,4 +1,4 @@
-"""Tolerances: the scatter of answers from the scatter of dimensions, by first and second order and by samples."""
+"""Tolerances: scatter of answers due to scatter of dimensions, by first order, second order or samples."""
 
 import dataclasses
 from collections.abc import Callable, Mapping
@@ -19,32 +19,32 @@ from .sensitivities import Sensitivities, derived
 from .sweep import sweep
 from .swept import Sweep
 
-# Number of dimensions whose second order is checked.
+# Number of dimensions in the check of the second order.
 CHECKED = 20
-# Number of designs of a quadratic answer, cheap, and of exact ones that tell its error.
+# Number of designs for the second-order answers, and for exact answers that give their error.
 OF_SECOND_ORDER, CHECKED_DESIGNS = 100_000, 64
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Tolerances(Labelled):
-    """Scatter of answers from the scatter of dimensions.
+    """Scatter of answers due to scatter of dimensions.
 
     Attributes:
         answers: Name of each of the m answers.
         dimensions: Name of each of the n dimensions.
         values: Answers at the nominal dimensions, (m,) [their units].
         deviations: First-order standard deviation of each answer, (m,) [its unit].
-        shares: Share of each dimension in the variance, (m, n) [-]; the sum of a row is one. Shares of correlated
-            dimensions include half their covariance, and may be negative.
+        shares: Share of each dimension in the variance, (m, n) [-]. The sum of a row is 1, or 0 without scatter.
+            Shares of correlated dimensions include half their covariance, and may be negative.
         sampled_mean: Mean of the samples, (m,), or None.
         sampled_deviations: Standard deviation of the samples, (m,), or None.
         sampled_interval: Quantiles 0.025 and 0.975 of the samples, (m, 2), or None.
         samples: Sweep over the samples, or None.
-        mean: Mean of each answer by its second order, (m,) [its unit], or None without ``second_order``.
-        second_order_deviations: Standard deviation by the second order, (m,), or None.
-        second_order_interval: Quantiles 0.025 and 0.975 by the second order, (m, 2), or None.
-        error: Root of the mean square of exact less second-order answers over some random designs, (m,), or None.
-            Mean and standard deviation of the second order differ by no more than this from the exact ones.
+        mean: Second-order mean of each answer, (m,) [its unit], or None without ``second_order``.
+        second_order_deviations: Second-order standard deviation, (m,), or None.
+        second_order_interval: Second-order quantiles 0.025 and 0.975, (m, 2), or None.
+        error: Root mean square of the exact minus the second-order answers over 64 random designs, (m,), or None. It
+            estimates a bound on the errors of ``mean`` and of ``second_order_deviations``.
     """
 
     answers: tuple[str, ...]
@@ -62,7 +62,7 @@ class Tolerances(Labelled):
     error: np.ndarray | None = None
 
     def quantities_by_name(self) -> Quantities:
-        """Values, deviations and shares by answer and dimension."""
+        """Return values, deviations and shares by answer and dimension."""
         over = ("answer",)
         names = {"answer": self.answers, "dimension": self.dimensions}
         found = {"value": Column(over, self.values), "deviation": Column(over, self.deviations)}
@@ -70,7 +70,7 @@ class Tolerances(Labelled):
         return Quantities(over, {name: Column((name,), np.array(own)) for name, own in names.items()}, found)
 
     def summary(self) -> Summary:
-        """Return each answer with its deviation, and the dimension with the largest share in it."""
+        """Return each answer with its deviation and the dimension with the largest share."""
         rows = {}
         for name, value, deviation, row in zip(self.answers, self.values, self.deviations, self.shares, strict=True):
             rows[name] = f"{short(value)} ± {short(deviation)}, {largest(100 * row, self.dimensions, '%', 'from')}"
@@ -104,34 +104,36 @@ def tolerances(
     samples: Annotated[int, partial(check_whole, least=0, most=MOST)] = 0,
     seed: WholeFromZero = 0,
 ) -> Tolerances:
-    """Scatter of answers from the scatter of the dimensions.
+    """Compute the scatter of answers due to scatter of the dimensions.
 
     Args:
         build: See :func:`sensitivities`.
         answers: See :func:`sensitivities`.
         dimensions: Nominal dimensions by name [SI].
-        deviations: Standard deviations of dimensions that scatter independently and normally, by name [SI]; or a
-            Scatter of :func:`flexmb.scatter`, also with parameters that are no dimensions.
+        deviations: Standard deviations by name of the dimension [SI], for independent normal distributions. Or a
+            Scatter from :func:`flexmb.scatter`, which may include parameters beside the dimensions.
         second_order: Whether to compute mean, deviation and interval by second derivatives too, with their error.
-        samples: Number of random designs to compute too; 0 for the first-order answer only.
+        samples: Number of random designs to compute exactly too; 0 for none.
         seed: Seed of the random numbers.
 
     Returns:
-        Tolerances with deviations (m,) [units of the answers] and shares (m, n) [-].
+        Tolerances with deviations (m,) [units of the answers] and shares (m, n) [-]. Statistics of the samples leave
+        out failed designs; ``samples`` has their codes.
 
     Raises:
-        ValueError: A deviation is negative or belongs to no dimension, or a parameter has no nominal value.
-        AnalysisError: As for :func:`sensitivities`. Statistics leave out failed samples; ``samples`` has their codes.
+        ValueError: A deviation is negative, not finite, or belongs to no dimension. A parameter has no nominal value.
+            Fewer than two samples have answers.
+        AnalysisError: As for :func:`sensitivities`.
 
     Warns:
-        FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or its deviation,
-            such as near two coinciding frequencies. It is computed one deviation to both sides of the twenty
-            dimensions with the largest shares.
+        FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
+            example near two coinciding frequencies. This check covers the twenty dimensions with the largest shares,
+            by derivatives one deviation to both sides. Or designs for the error of the second order have no answer.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
-        at deviations d of many designs of the same scatter. Warning: with independent normal deviations H adds sum of
-        H_ii s_i^2/2 to the mean, sum of (H_ij s_i s_j)^2/2 to the variance. Monte Carlo.
+        at random deviations d of the same scatter. Warning: for independent normal deviations, H adds the sum of
+        H_ii s_i^2/2 to the mean and the sum of (H_ij s_i s_j)^2/2 to the variance. Samples: Monte Carlo.
     """
     joint, own = None, {}
     if isinstance(deviations, Scatter):
@@ -159,7 +161,7 @@ def tolerances(
     scatter_of = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
 
     def deviated(count: int, seed: int) -> np.ndarray:
-        """Random deviations from the nominal dimensions, (count, n)."""
+        """Return random deviations from the nominal dimensions, (count, n)."""
         if joint is None:
             return spread * np.random.default_rng(seed).standard_normal((count, len(spread)))
         return _rows(joint.draw(count, dimensions, seed)) - found.point
@@ -183,14 +185,14 @@ def tolerances(
 
 
 def _rows(designs: Mapping[str, np.ndarray]) -> np.ndarray:
-    """Dimensions of designs as rows, (designs, n)."""
+    """Return the dimensions of designs as rows, (designs, n)."""
     return np.concatenate([values.reshape(len(values), -1) for values in designs.values()], axis=1)
 
 
 def _exact(
     build: Build, answers: Answers, layout: Layout, point: np.ndarray, deviated: np.ndarray
 ) -> tuple[Sweep, np.ndarray]:
-    """Answers of designs with given deviations: as a sweep, and as rows, (designs, m)."""
+    """Return the answers of designs with given deviations: as a sweep, and as rows, (designs, m)."""
     ran = sweep(build, answers, layout.stacked(point + deviated))
     return ran, np.concatenate([v.reshape(len(deviated), -1) for v in ran.answers.values()], axis=1)
 
@@ -204,7 +206,7 @@ def _with_second_order(
     exact: Callable[[np.ndarray], tuple[Sweep, np.ndarray]],
     seed: int,
 ) -> Tolerances:
-    """Add mean, deviation and interval by second derivatives, and their error at some designs."""
+    """Add second-order mean, deviation, interval and error to the first order."""
     curvatures = np.asarray(found.curvatures)
 
     def quadratic(rows: np.ndarray) -> np.ndarray:
@@ -230,7 +232,7 @@ def _with_second_order(
 
 
 def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray) -> None:
-    """Warn of answers with a nonlinear scatter, by derivatives one deviation to both sides of each dimension."""
+    """Warn of answers with a nonlinear scatter, from derivatives one deviation to both sides of the dimensions."""
     linear = np.abs(found.slopes * spread)
     shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
     checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]

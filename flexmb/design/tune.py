@@ -43,7 +43,7 @@ from .sensitivities import REVERSE_COST
 from .statistics import SampledDesign, sampled_of
 from .tuned import Combination, Tuned
 
-# Names in a history beside dimensions and answers.
+# Names in a history, beside the names of dimensions and answers.
 RESERVED = ("objective", "violation")
 
 
@@ -86,27 +86,28 @@ def tune(
         minimize: Name of the answer to minimise.
         maximize: Name of the answer to maximise.
         choices: Arguments of ``build`` with a few values each, by name: a list, or a dictionary of values by label.
-            Values may be any Python values, also values that change the structure of the model: whole numbers,
-            materials, element types. ``tune`` searches every combination, and each takes seconds to compile. It returns
-            the best feasible design with a table of all. With choices, ``dimensions`` may be empty.
+            Values may be any Python values. They may change the structure of the model: whole numbers, materials,
+            element types. ``tune`` searches every combination; each needs seconds to compile. It returns the best
+            feasible design with a table of all combinations. With choices, ``dimensions`` may be empty.
         targets: Values to approach, by name of the answer: least squares of the relative differences. A target is
             missed if its relative difference exceeds 100 times ``tolerance``, or a tenth if there are more targets than
-            dimensions. With `minimize` or `maximize` the objective is this answer over its value at the start, plus
-            half the sum of the squares; ``reason`` names missed targets. For a curve, such as the forces along a stroke
+            dimensions. ``reason`` names missed targets. With `minimize` or `maximize`, the objective is this answer
+            over its value at the start, plus half the sum of the squares. For a curve, such as forces over a stroke
             from ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its largest value.
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
-        scatter: Scatter of the dimensions and of further arguments of ``build``, of :func:`flexmb.scatter`. Then
-            `minimize`, `maximize`, `targets`, `limits` and `equal` accept statistics of made mechanisms too, by texts:
-            "mean mass", "deviation mass", "percentile 95 mass", and "yield", the share that is ``acceptable``. The name
-            of an answer alone is its nominal value.
+        scatter: Scatter of the dimensions and of further arguments of ``build``, from :func:`flexmb.scatter`. With it,
+            `minimize`, `maximize`, `targets`, `limits` and `equal` also accept statistics of made mechanisms: "mean
+            mass", "deviation mass", "percentile 95 mass", and "yield", the share of ``acceptable`` mechanisms. The name
+            of an answer is its nominal value.
         samples: Number of made mechanisms of each design. All designs have the same random numbers.
         acceptable: Lower and upper limit of answers that define the yield, by name, None for no limit. The search
-            blurs the limits, so that the yield has a derivative; :func:`flexmb.design.robustness` counts.
-        optimizer: Optimiser of optax, whose steps are projected onto the bounds; or for targets alone a least-squares
-            solver of optimistix. By default scipy's L-BFGS-B, and for targets alone its trust-region reflective
-            method, which keep bounds exactly.
+            blurs these limits, so that the yield has a derivative. :func:`flexmb.design.robustness` computes the exact
+            share.
+        optimizer: Optimiser of optax, with its steps projected onto the bounds. For targets alone, also a least-squares
+            solver of optimistix. Default: L-BFGS-B of scipy, or for targets alone its trust-region reflective method;
+            both keep bounds exactly.
         starts: Number of starts: ``dimensions``, and others spread over the bounds. The best design is returned.
         together: Number of starts searched at the same time, with their designs in one call by ``jax.vmap``. This is
             faster for small models, and for large models on a GPU (many LAPACK calls at once may hang on a CPU).
@@ -124,14 +125,14 @@ def tune(
         Objectives of all combinations are relative to the answers at the start of the first one with answers.
 
     Raises:
-        ValueError: A statistic is asked for without ``scatter``, or "yield" without ``acceptable``; there are too many
-            combinations, bounds are empty, the start is outside the bounds, a name is unknown, no wanted answer depends
-            on a dimension, or answers are not finite at the start.
+        ValueError: A statistic needs ``scatter``, or "yield" needs ``acceptable``. There are too many combinations.
+            Bounds are empty, or the start is outside. A name is unknown. No wanted answer depends on a dimension.
+            Answers are not finite at the start.
         AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails.
 
     Warns:
-        FlexmbWarning: The design is at an unstable equilibrium; or the search left out designs whose leaf springs are
-            clamped differently from the start.
+        FlexmbWarning: The design is at an unstable equilibrium. Or the search left out designs with leaf springs that
+            are clamped differently from the start.
 
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
@@ -190,7 +191,7 @@ class _StartError(ValueError):
 
 
 def _best_combination(question: _Question, build: Build, options: Options) -> Tuned:
-    """The best of all combinations, with the result of each."""
+    """Return the best design of all combinations, with the result of each combination."""
     tried: list[Combination] = []
     faults: list[Exception] = []
     dependence, reference = [], None
@@ -207,7 +208,7 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
         tried.append(Combination(values, labels, found, found.result, found.reason))
     if not dependence:
         raise faults[0]
-    # A dimension may matter in some combinations only, such as a gap between two leaf springs.
+    # Answers may depend on a dimension in some combinations only, such as a gap between two leaf springs.
     _refuse_ignored(question.scaling.layout.labels, np.all(dependence, axis=0))
 
     def rank(combination: Combination) -> tuple:
@@ -221,10 +222,10 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
 
 
 class _Kernel:
-    """Answers (m,), derivatives of the wanted ones by the scaled dimensions (m, n), and the code, as numpy arrays.
+    """Answers, (m,), derivatives of the wanted answers by the scaled dimensions, (m, n), and the code.
 
-    Unstable states have answers; ``unstable`` contains their designs. Designs with other clamps than at the start have
-    no answers; ``left_out`` tells whether there are any.
+    Unstable states have answers; ``unstable`` contains their designs. Designs with other clamps than the start have no
+    answers; ``left_out`` is True after such a design.
     """
 
     def __init__(
@@ -247,12 +248,12 @@ class _Kernel:
         return values, slopes, int(code)
 
     def many(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same for several designs, (designs, n), in one call."""
+        """Return the same for several designs, (designs, n), in one call."""
         return self._of(units, self.several)
 
     def _of(self, units: np.ndarray, call: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         refused = self.refused(units)
-        # The start replaces designs that cannot be built: their numbers could take long.
+        # The start replaces designs that cannot be built, since their analysis could be slow.
         asked_slopes, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
         values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
         self.left_out |= bool(np.any(codes == RESULTS.other_clamps))
@@ -268,7 +269,7 @@ class _Kernel:
 def _searched(
     question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
 ) -> tuple[Tuned, np.ndarray, np.ndarray]:
-    """The best design from all starts, whether each dimension has no effect, and the answers at the start."""
+    """Return the best design of all starts, whether each dimension has no effect, and the answers at the start."""
     q, scaling, layout = question, question.scaling, question.scaling.layout
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)
@@ -289,7 +290,7 @@ def _searched(
 
 
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
-    """The kernel of a question, and the order of its answers."""
+    """Return the kernel of a question, and the layout of its answers."""
     scaling, layout = q.scaling, q.scaling.layout
     further: dict[str, Any] = {}
     if q.sampled is not None:
@@ -318,7 +319,7 @@ def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
 
 
 def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Attempt]:
-    """Searches from all starts, one after the other or several at a time."""
+    """Search from all starts, one after the other or several at a time."""
     units = [kernel.start, *_other_starts(q.starts - 1, len(kernel.start), q.seed)]
     with reporting(q.progress, "evaluations, objective, violation") as report:
 
@@ -333,7 +334,7 @@ def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Att
 
 
 def _tell(kernel: _Kernel, best: Attempt) -> None:
-    """Warn of designs that were left out, and of an unstable best one."""
+    """Warn of designs that were left out, and of an unstable best design."""
     if kernel.left_out:
         warn(
             "The search left out designs whose leaf springs are clamped otherwise than at the start: beside a part that"
@@ -365,7 +366,7 @@ def _check_start(of_answers: Layout, at_start: Any) -> None:
 
 
 def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: int) -> np.ndarray:
-    """Whether nothing depends on each dimension, (n,), at the start and beside it: the start may be stationary."""
+    """Return for each dimension whether no answer depends on it, (n,), at the start and at points beside it."""
     asked = np.abs(problem.weights) > 0
     for rows in (problem.targets, problem.equal, problem.limits):
         asked |= np.any(rows.matrix != 0, axis=0)

@@ -1,4 +1,4 @@
-"""The difference of two models against the scatter of measurements: whether the data can tell them apart."""
+"""Comparison of two models: their difference relative to the scatter of measurements."""
 
 import dataclasses
 from collections.abc import Mapping, Sequence
@@ -19,17 +19,18 @@ class Comparison(Result):
     """Answers of two models, and their difference in standard deviations of the data.
 
     Attributes:
-        first, second: Answers of the two models, by name of the measurement [its unit].
-        difference: First less second, by name [unit of the measurement].
-        in_deviations: The same in standard deviations, decorrelated, by name [-].
-        distance: Root of the sum of their squares [-].
-        correct: Probability that the likelihood of such data is larger for the right one of the two models [-].
-        told_apart: Whether this probability exceeds the level.
-        chi_squared: Misfit of each model; NaN if a measurement has no value.
-        probability: Of a chi-squared as large by scatter alone, for each model [-]; NaN likewise.
+        first, second: Answers of the two models, by name of the measurement [unit of the measurement].
+        difference: Answer of the first model minus answer of the second model, by name [unit of the measurement].
+        in_deviations: Differences in standard deviations, decorrelated, by name [-].
+        distance: Root of the sum of the squares of ``in_deviations`` [-].
+        correct: Probability that the likelihood of the data is larger for the true model than for the other model [-].
+        told_apart: Whether ``correct`` exceeds ``level``.
+        chi_squared: Chi-squared of each model; NaN if the data have no values.
+        probability: Probability that scatter alone causes a chi-squared at least as large, for each model [-]; NaN if
+            the data have no values.
         count: Number of values.
         freedoms: Number of degrees of freedom of each model.
-        level: Asked probability [-].
+        level: Probability above which the data distinguish the models [-].
     """
 
     first: dict[str, np.ndarray]
@@ -54,7 +55,7 @@ class Comparison(Result):
 
     @property
     def reason(self) -> str:
-        """What the data say of the two models, in words."""
+        """The result in words."""
         a, b = self.freedoms
         smaller = "" if a == b else f" The model of {min(a, b)} degrees of freedom is enough."
         if not self.told_apart:
@@ -67,7 +68,7 @@ class Comparison(Result):
         return f"The data tell the models apart. The {order[0]} model fits better than the {order[1]}."
 
     def summary(self) -> Summary:
-        """Return the difference of each measurement in standard deviations, and what the data say."""
+        """Return the difference of each measurement in standard deviations, and the result."""
         rows = {}
         for name, rows_of in self.in_deviations.items():
             at = int(np.argmax(np.abs(rows_of)))
@@ -88,29 +89,30 @@ def compare(
     parameters: Mapping[str, Any] | None = None,
     level: float = 0.95,
 ) -> Comparison:
-    """State the difference of two models against the scatter of measurements.
+    """Compare the difference of two models with the scatter of measurements.
 
-    A model that is finer than another one by less than the data can tell is finer than the data deserve.
+    If the data do not distinguish a fine model and a coarse model, the coarse model is sufficient.
 
     Args:
-        model_a: Mechanism, such as the finer one.
-        model_b: Mechanism, such as the coarser one.
-        data: Measurements, as :func:`flexmb.fit` takes them; or a dictionary of standard deviations by question, such
-            as ``{"frequency 1": 0.1}``, before anything is measured.
-        parameters: Values of parameters that measurements take, such as the gain of a sensor, by name.
-        level: Probability from which on the models count as told apart [-].
+        model_a: Mechanism, such as the fine model.
+        model_b: Mechanism, such as the coarse model.
+        data: Measurements as for :func:`flexmb.fit`. Or, before a measurement, expected standard deviations by
+            question, such as ``{"frequency 1": 0.1}``.
+        parameters: Values of the parameters of measurements by name, such as the gain of a sensor.
+        level: Probability above which the data distinguish the models [-].
 
     Returns:
-        Comparison, with ``told_apart`` and ``reason``. A fit of parameters could hide part of the difference.
+        Comparison, with ``told_apart`` and ``reason``. It keeps the parameters of both models; a fit of parameters
+        could reduce the difference.
 
     Raises:
         ModelError: An argument is no model.
-        ValueError: A measurement has no deviation, a parameter has no value, the number or the unit of values is
-            mistaken, an answer is not finite, or the level is not between 0.5 and 1.
+        ValueError: A measurement has no deviation. A parameter has no value. The number of values or their unit is
+            wrong. An answer is not finite. The level is not between 0.5 and 1.
 
     Source:
-        Likelihood ratio of two simple hypotheses with equal covariance: it is right with probability Phi(d/2), with
-        their distance d in standard deviations (Neyman, Pearson 1933; Mahalanobis 1936).
+        Likelihood ratio of two simple hypotheses with equal covariance (Neyman, Pearson 1933). It selects the true
+        hypothesis with probability Phi(d/2) at a distance d in standard deviations (Mahalanobis 1936).
     """
     from scipy.stats import chi2, norm
 
@@ -163,7 +165,7 @@ def compare(
 
 
 def _items(data: Any) -> tuple[list[Measured], bool]:
-    """Measurements, and whether they have values; deviations by question have none."""
+    """Return measurements, and whether they have values: deviations by question have none."""
     if isinstance(data, Mapping) and data and all(isinstance(entry, int | float) for entry in data.values()):
         return [measured(name, 0.0, deviation) for name, deviation in data.items()], False
     return measurements(data), True

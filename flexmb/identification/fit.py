@@ -1,4 +1,4 @@
-"""Parameters of a mechanism from measurements, by least squares with exact derivatives."""
+"""Fit of parameters of a mechanism to measurements, by least squares with exact derivatives."""
 
 import inspect
 from collections.abc import Mapping, Sequence
@@ -37,18 +37,18 @@ def fit(
     max_evaluations: int = 200,
     throw: bool = True,
 ) -> Fit:
-    """Find parameters of a mechanism from measurements, and how well the measurements determine them.
+    """Fit parameters of a mechanism to measurements, with standard deviations of the parameters.
 
     Args:
         build: Function of the parameters, by name, that returns a model.
-        data: Measurements, as :func:`flexmb.measured`, :func:`flexmb.measured_modes` and
-            :func:`flexmb.measured_response` make them; or a dictionary of pairs of value and standard deviation by
-            question, such as ``{"frequency 1": (41.2, 0.1)}``.
+        data: Measurements from :func:`flexmb.measured`, :func:`flexmb.measured_modes` and
+            :func:`flexmb.measured_response`. Or a dictionary of value and standard deviation by question, such as
+            ``{"frequency 1": (41.2, 0.1)}``.
         parameters: Start values, numbers or arrays by name [SI]: the arguments of ``build``, and parameters of
             measurements such as the offset of a sensor.
         bounds: Lower and upper value of each parameter by name [SI].
-        priors: Mean and standard deviation of parameters that are known roughly, by name [SI].
-        scales: "log" or "linear" by name; by default logarithmic where the lower bound is positive.
+        priors: Prior mean and standard deviation of parameters, by name [SI].
+        scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
         loss: "linear" for least squares. "huber", "soft_l1" or "cauchy" reduce the weight of values that differ by more
             than one standard deviation.
         starts: Number of starts: ``parameters``, and others spread over the bounds. The lowest minimum is returned.
@@ -57,7 +57,7 @@ def fit(
         throw: Raise if the search does not converge; otherwise the code is in ``result``.
 
     Returns:
-        Fit with parameters, standard deviations, confidence intervals, and combinations that are not determined.
+        Fit with parameters, standard deviations, confidence intervals, and undetermined combinations of parameters.
 
     Raises:
         ValueError: There are more parameters than values and priors. A name is unknown. Values probably have a wrong
@@ -66,7 +66,7 @@ def fit(
             parameters (impossible_design).
 
     Warns:
-        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit). Other parameters fit as well. A
+        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit). Other parameters fit equally well. A
             parameter is at a bound. The data do not determine a combination of parameters. No mode of the fitted model
             matches a measured mode. The fitted equilibrium is not stable.
 
@@ -110,7 +110,7 @@ def fit(
 
 
 def _taken_by_build(build: Build, items: list[Measured], names: Sequence[str]) -> tuple[str, ...]:
-    """Names of the parameters that ``build`` takes; the others are for measurements."""
+    """Return the names of the arguments of ``build``; other parameters belong to measurements."""
     of_data = {name for item in items for name in item.parameters}
     missing = [(item.name, name) for item in items for name in item.parameters if name not in names]
     if missing:
@@ -151,7 +151,7 @@ def _starts(first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
 
 
 def _check_start(problem: FitProblem) -> None:
-    """Refuse a start without answer, values of a mistaken unit, and parameters on which nothing depends."""
+    """Raise for a start without answers, values with a wrong unit, and parameters without effect."""
     unit = problem.scaling.to_unit(problem.first)
     computed, slopes, code = problem.function(unit)
     for item, part in zip(problem.items, problem.parts, strict=True):
@@ -204,7 +204,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     try:
         problem.build(**layout.split(flat))
     except REFUSED as fault:
-        # A traced build sees no numbers and refuses none.
+        # The traced build of the search cannot check numbers.
         result, reason = RESULTS.impossible_design, first_line(fault)
     return Fit(
         layout.split(flat),
@@ -231,7 +231,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
 
 
 def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[str, Any], float], ...]:
-    """Minima at different parameters, the lowest first."""
+    """Return minima at different parameters, the lowest minimum first."""
     kept: list[Solution] = []
     for one in sorted(solutions, key=lambda solution: solution.cost):
         if one.converged and not any(np.max(np.abs(one.unit - other.unit)) <= SAME_MINIMUM for other in kept):

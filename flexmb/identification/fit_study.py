@@ -1,4 +1,4 @@
-"""A fit that is described in a TOML file: the model, parameters with bounds and priors, and the measurements."""
+"""A fit from a TOML file: model, parameters with bounds and priors, and measurements."""
 
 import contextlib
 import dataclasses
@@ -29,14 +29,14 @@ class FitStudy:
     Attributes:
         name: Name of the file.
         build: Function of the parameters that returns a model.
-        builder: Function behind ``build``, with the warnings of the input file's reader.
+        builder: Function that ``build`` calls; it keeps the warnings of the reader of the input file.
         data: Measurements.
-        values: Start of the parameters, by name.
-        bounds: Their lower and upper values.
+        values: Start values of the parameters with bounds, by name.
+        bounds: Lower and upper value of these parameters, by name.
         scales: "log" or "linear" by name, if given.
         priors: Mean and standard deviation by name, if given.
         options: Other arguments of :func:`flexmb.fit`.
-        level: Of the confidence intervals [-].
+        level: Level of the confidence intervals [-].
     """
 
     name: str
@@ -52,11 +52,11 @@ class FitStudy:
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of the input file's reader so far."""
+        """Warnings that the reader of the input file has given."""
         return list(getattr(self.builder, "warnings", ()))
 
     def fit(self, *, throw: bool = False) -> Fit:
-        """Run :func:`flexmb.fit`; StudyError with the file if the study is wrong."""
+        """Run :func:`flexmb.fit`; a StudyError names the file."""
         with self._named():
             options = {"scales": self.scales, "priors": self.priors, **self.options}
             return fit(self.build, self.data, self.values, self.bounds, throw=throw, **options)
@@ -75,7 +75,7 @@ class FitStudy:
 
 
 def read_fit_study(path: str | os.PathLike) -> FitStudy:
-    """Read a study for a fit; StudyError with file and key if it is wrong."""
+    """Read a study for a fit; a StudyError names file and key."""
     reader = StudyReader(Path(path))
     with reader.named():
         reader.check_tables("model", "data")
@@ -112,18 +112,18 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
 
 
 def _accepted(reader: StudyReader, values: Mapping[str, float]) -> set[str]:
-    """Names that the model of a study takes."""
+    """Return the names of the parameters of the model of a study."""
     text, folder = reader.data["model"], reader.path.parent
     if ":" in text and not text.endswith(".dat"):
         with contextlib.suppress(TypeError, ValueError):
             return set(inspect.signature(function_of("model", folder, text)).parameters)
         return set()
-    # The builder reports a file that is missing.
+    # For a missing file, `reader.builder` raises.
     return set(read_spacar(folder / text, numbers=values).parameters) if (folder / text).is_file() else set()
 
 
 def _with_signature(builder: Callable[..., Any], names: tuple[str, ...]) -> Callable[..., Any]:
-    """The builder as a function of these names, which ``fit`` reads from the signature."""
+    """Return the builder with these names in its signature, which ``fit`` reads."""
 
     def build(**parameters: Any) -> Any:
         return builder(**parameters)
@@ -134,7 +134,7 @@ def _with_signature(builder: Callable[..., Any], names: tuple[str, ...]) -> Call
 
 
 def _with_fixed(item: Measured, fixed: Mapping[str, float]) -> Measured:
-    """A measurement whose fixed parameters have their values."""
+    """Return a measurement with the values of its fixed parameters."""
     known = {name: fixed[name] for name in item.parameters if name in fixed}
     if not known:
         return item
@@ -147,7 +147,7 @@ def _with_fixed(item: Measured, fixed: Mapping[str, float]) -> Measured:
 
 
 def fit_answer(study: FitStudy, found: Fit, version: str) -> dict[str, Any]:
-    """A fit for JSON."""
+    """Return a fit as data for JSON."""
     good = found.result.name == "successful"
     return {
         "study": study.name,
@@ -193,7 +193,7 @@ def fit_answer(study: FitStudy, found: Fit, version: str) -> dict[str, Any]:
 
 
 def fit_arrays(found: Fit) -> dict[str, np.ndarray]:
-    """Arrays of a fit for a file, by name; StudyError if two have one name."""
+    """Return the arrays of a fit by name; StudyError if two arrays have the same name."""
     named = [*found.parameters.items(), ("covariance", found.covariance)]
     named += [(f"deviation_{name}", value) for name, value in found.deviation.items()]
     for item in found.data:

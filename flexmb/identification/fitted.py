@@ -1,4 +1,4 @@
-"""What a fit found: parameters with their scatter, and what the data tell of each."""
+"""Result of a fit: parameters, standard deviations, intervals, predictions and profile likelihood."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ class Fit(Result):
             that the data do not determine.
         labels: Names of all parameters, "height[3]" for an entry of an array.
         computed: Values of each measurement by the fitted model, by name.
-        residuals: Differences computed less measured in standard deviations, decorrelated, by name.
+        residuals: Computed minus measured values in standard deviations, decorrelated, by name [-].
         chi_squared: Sum of the squares of the residuals, and of the priors [-]; NaN if the scatter is not known.
         freedom: Number of values and priors minus number of determined parameters.
         probability: Probability that scatter alone causes a chi-squared at least as large [-]; NaN if the scatter is
@@ -39,12 +39,12 @@ class Fit(Result):
             given.
         undetermined: Combinations of parameters that the data do not determine.
         active: Parameters at a bound.
-        minima: Parameters and chi-squared of each different minimum that the starts found, the lowest first.
-        result: Code of RESULTS: successful, not_optimal, poor_fit.
+        minima: Parameters and chi-squared of all different minima, the lowest minimum first.
+        result: Code of RESULTS: successful, not_optimal, poor_fit, impossible_design.
         reason: The result in words.
         evaluations: Number of computed designs.
         data: The measurements.
-        problem: The least-squares problem, from which predictions follow.
+        problem: Least-squares problem that computes predictions.
         unit: Parameters as numbers from 0 to 1 between their bounds, (n,).
     """
 
@@ -76,7 +76,7 @@ class Fit(Result):
 
     @property
     def correlation(self) -> np.ndarray:
-        """Correlation of the parameters, (n, n) [-]; NaN of parameters that are not determined."""
+        """Correlation of the parameters, (n, n) [-]; NaN for undetermined parameters."""
         sizes = np.sqrt(np.diag(self.covariance))
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.covariance / np.outer(sizes, sizes)
@@ -119,13 +119,14 @@ class Fit(Result):
         return float(norm.ppf(upper) if np.isfinite(self.chi_squared) else t.ppf(upper, max(self.freedom, 1)))
 
     def predict(self, answers: Answers) -> "dict[str, Prediction]":
-        """Answers of the fitted mechanism, with their standard deviations by the scatter of the data.
+        """Compute answers of the fitted mechanism, with standard deviations due to the scatter of the data.
 
         Args:
-            answers: Functions of the model, or questions such as "frequency 4", as ``fm.tune`` takes them.
+            answers: Functions of the model, or questions such as "frequency 4", as for ``fm.tune``.
 
         Returns:
-            Prediction by name. The deviation is infinite where the answer depends on what the data do not determine.
+            Prediction by name. The deviation is infinite if the answer depends on an undetermined combination of
+            parameters.
 
         Raises:
             AnalysisError: An answer has no value or no finite derivative at the fitted parameters.
@@ -141,7 +142,7 @@ class Fit(Result):
         return {name: Prediction(split[0][name], split[1][name]) for name in functions}
 
     def _propagated(self, slopes: np.ndarray) -> np.ndarray:
-        """Standard deviations of answers with slopes by the scaled parameters, (m,)."""
+        """Return standard deviations of answers, (m,), from their slopes by the scaled parameters, (m, n)."""
         finite, infinite = self._scaled_covariance()
         deviations = np.sqrt(np.einsum("ai,ij,aj->a", slopes, finite, slopes))
         sizes = np.linalg.norm(slopes, axis=1)
@@ -149,26 +150,27 @@ class Fit(Result):
         return np.where(depends, np.inf, deviations)
 
     def _scaled_covariance(self) -> tuple[np.ndarray, np.ndarray]:
-        """Covariance of the scaled parameters within the determined directions, and the others as columns."""
+        """Return :func:`scaled_covariance` at the fitted parameters."""
         rows, slopes, _ = self.problem.residuals(self.unit)
         return scaled_covariance(weighted_slopes(rows, slopes, self.problem.loss), self.noise)
 
     def profile(self, name: str, *, level: float = 0.95, points: int = 9) -> "ProfileLikelihood":
-        """Profile likelihood of a parameter: the misfit with all other parameters fitted anew at each value.
+        """Compute the profile likelihood of a parameter: chi-squared at each value, with the other parameters fitted.
 
         Args:
-            name: Of a parameter.
-            level: Of the confidence interval [-].
-            points: Number of values, over two widths of the interval by slopes, within the bounds.
+            name: Name of a parameter.
+            level: Level of the confidence interval [-].
+            points: Number of values. They extend over twice the linearised interval, within the bounds.
 
         Returns:
-            ProfileLikelihood, with an interval that needs no linear model.
+            ProfileLikelihood, with an interval without linearisation.
 
         Raises:
             KeyError: No such parameter.
 
         Source:
-            Venzon, Moolgavkar 1988: the interval ends where chi-squared has grown by the quantile.
+            Venzon, Moolgavkar 1988. At the ends of the interval, the growth of chi-squared is the square of the
+            quantile.
         """
         from scipy.optimize import brentq
 
@@ -214,15 +216,16 @@ class Fit(Result):
         return ProfileLikelihood(name, values, (costs - best) / self.noise**2, (value(lower), value(upper)), level)
 
     def sample(self, count: int = 1000, *, warmup: int = 500, chains: int = 2, seed: int = 0) -> Posterior:
-        """Samples of the posterior distribution of the parameters, which need not be normal.
+        """Sample the posterior distribution of the parameters, which need not be normal.
 
-        Without a prior, a parameter is equally probable between its bounds: in its logarithm if its scale is
-        logarithmic. An unknown deviation of the values has a density of one over itself, and is integrated out.
+        Without a prior, a parameter has a uniform density between its bounds, in its logarithm if its scale is
+        logarithmic. An unknown standard deviation of the values has a density of one over the deviation. flexmb
+        integrates over this deviation.
 
         Args:
             count: Number of samples of each chain.
-            warmup: Number of samples before them, in which the sampler finds its step size.
-            chains: Number of chains, one after the other.
+            warmup: Number of earlier samples of each chain, in which the sampler adapts its step size.
+            chains: Number of chains, computed one after the other.
             seed: Seed of the random numbers.
 
         Returns:
@@ -230,11 +233,11 @@ class Fit(Result):
 
         Raises:
             ImportError: numpyro is not installed (extra ``bayes``).
-            ValueError: The fit has a robust loss, which belongs to no distribution.
+            ValueError: The fit has a robust loss, which corresponds to no distribution.
 
         Warns:
-            FlexmbWarning: The samples do not represent the posterior: the sampler failed somewhere, the chains differ,
-                or there are too few independent samples.
+            FlexmbWarning: The samples do not represent the posterior: the sampler failed at a sample, the chains
+                differ, or there are too few independent samples.
 
         Source:
             No-U-turn sampler: Hoffman, Gelman 2014 (numpyro).
@@ -263,24 +266,24 @@ class Fit(Result):
     def next_measurement(
         self, candidates: Any, *, narrow: str | Sequence[str] | None = None
     ) -> "list[tuple[str, float]]":
-        """Return which additional measurement would reduce the standard deviations most.
+        """Rank additional measurements by the reduction of the standard deviations.
 
         Args:
             candidates: Measurements as for :func:`flexmb.fit`, with expected standard deviations. flexmb ignores their
                 values.
-            narrow: Parameter or parameters whose standard deviations shall become small (A-optimal). By default the
-                volume of the confidence region of all parameters shall become small (D-optimal).
+            narrow: Name or names of the parameters with standard deviations to reduce (A-optimal). By default, the
+                volume of the confidence region of all parameters (D-optimal).
 
         Returns:
-            Name of each candidate and the remaining fraction of the standard deviation, the best first [-]. For several
-            parameters: root mean square of their fractions. For the volume: the n-th root of its fraction.
+            Name of each candidate and the remaining fraction of the standard deviation [-], the best candidate first.
+            For several parameters: root mean square of their fractions. For the volume: n-th root of its fraction.
 
         Raises:
-            ValueError: The data leave a parameter undetermined, which has no standard deviation to compare with.
+            ValueError: The data do not determine a combination of parameters, or a candidate has no deviation.
             KeyError: No such parameter.
 
         Source:
-            Fisher information of independent measurements adds: Pukelsheim 2006.
+            Sum of the Fisher information of independent measurements: Pukelsheim 2006.
         """
         if self.undetermined:
             raise ValueError(
@@ -314,7 +317,7 @@ class Fit(Result):
         """Fit other measured values of the same quantities. Each search starts from this fit.
 
         Args:
-            values: Sets of values, (sets, m). Each set has the values of all measurements in their order.
+            values: Sets of values, (sets, m). A set has the values of all measurements, in the order of ``data``.
 
         Returns:
             Refitted, with the parameters of each set.
@@ -344,7 +347,7 @@ class Fit(Result):
         )
 
     def summary(self) -> Summary:
-        """Parameters with their intervals, and how well the values fit."""
+        """Return parameters with standard deviations, and chi-squared."""
         rows = {}
         flat, spread = self.problem.layout.join(self.parameters), self.problem.layout.join(self.deviation)
         for name, value, deviation in zip(self.labels, flat, spread, strict=True):
@@ -361,7 +364,7 @@ class Fit(Result):
         return Summary(f"Fit, {self.result.name}: {self.reason}", rows, "fit")
 
     def largest_residuals(self) -> list[tuple[str, int, float]]:
-        """Name, number (from 1) and size of the values that differ by more than three deviations, largest first."""
+        """Return name, number (from 1) and difference of values beyond three deviations, the largest first."""
         found = [
             (name, int(i) + 1, float(rows[i]))
             for name, rows in self.residuals.items()
@@ -375,8 +378,8 @@ class Prediction:
     """An answer of a fitted mechanism.
 
     Attributes:
-        value: By the fitted parameters [unit of the answer].
-        deviation: Standard deviation by the scatter of the data, of the same shape [unit of the answer].
+        value: Value at the fitted parameters [unit of the answer].
+        deviation: Standard deviation due to the scatter of the data, of the same shape [unit of the answer].
     """
 
     value: np.ndarray
@@ -388,11 +391,11 @@ class ProfileLikelihood:
     """Profile likelihood of a parameter.
 
     Attributes:
-        name: Of the parameter.
-        values: Of the parameter, (points,) [SI].
-        growth: Chi-squared there less its minimum, all other parameters fitted anew, (points,) [-].
-        interval: Confidence interval [SI]; infinite on a side where the bound is reached before.
-        level: Of the interval [-].
+        name: Name of the parameter.
+        values: Values of the parameter, (points,) [SI].
+        growth: Chi-squared minus its minimum at each value, with the other parameters fitted, (points,) [-].
+        interval: Confidence interval [SI]. An end is infinite if the search reaches the bound first.
+        level: Level of the interval [-].
     """
 
     name: str
@@ -407,9 +410,9 @@ class Refitted:
     """Fits of several sets of values.
 
     Attributes:
-        parameters: By name, sets first [SI].
-        deviation: Standard deviations by name, sets first [SI].
-        chi_squared: Of each set, (sets,) [-].
+        parameters: Parameters by name, (sets, ...) [SI].
+        deviation: Standard deviations by name, (sets, ...) [SI].
+        chi_squared: Chi-squared of each set, (sets,) [-].
         converged: Whether each search ended by its tolerances, (sets,).
     """
 
@@ -420,12 +423,12 @@ class Refitted:
 
 
 def weighted_slopes(rows: np.ndarray, slopes: np.ndarray, loss: str) -> np.ndarray:
-    """Slopes of weighted differences, with the weight that a robust loss leaves each."""
+    """Return slopes of weighted differences, times the root of the weight of the robust loss."""
     return slopes * np.sqrt(robust(rows, loss)[1])[:, None]
 
 
 def scaled_covariance(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:
-    """Covariance of scaled parameters within the determined directions, (n, n), and the others as columns."""
+    """Return the covariance of scaled parameters in determined directions, (n, n), and other directions as columns."""
     deviations, columns, wide = directions(slopes, noise)
     kept = columns[:, ~wide] * deviations[~wide]
     return kept @ kept.T, columns[:, wide]

@@ -17,20 +17,20 @@ from ..questions.question import asked
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Measured:
-    """Measured values, and the function that computes them. Make one with :func:`measured`.
+    """Measured values, and the function that computes them, from :func:`measured`.
 
     Attributes:
-        name: For tables and messages.
-        answer: ``answer(model, **parameters)``, values as the model computes them, (m,).
-        values: As measured, (m,) [unit of the answer].
+        name: Name in tables and messages.
+        answer: ``answer(model, **parameters)`` returns the computed values, (m,).
+        values: Measured values, (m,) [unit of the answer].
         scatter: Lower triangular factor of the covariance, (m, m), or standard deviations, (m,) [unit of the answer];
-            None if it is not known.
-        parameters: Names of fitted parameters that ``answer`` takes, such as the offset of a sensor.
-        over: Places of the values on the axis of a picture, (m,).
+            None if they are not known.
+        parameters: Names of the fitted parameters of ``answer``, such as the offset of a sensor.
+        over: Place of each value on the axis of a picture, (m,).
         label: Name of this axis, with its unit.
-        check: ``check(model)`` raises ValueError if the model cannot answer, such as a measured mode without partner.
-        relative: Whether ``answer`` returns logarithms of the ratio of computed to measured values, first their real
-            parts, then as many imaginary parts.
+        check: ``check(model)`` raises ValueError if the model has no value, such as a measured mode without partner.
+        relative: Whether ``answer`` returns the logarithms of the ratios of computed to measured values: first the real
+            parts, then the imaginary parts.
     """
 
     name: str
@@ -52,12 +52,12 @@ class Measured:
 
 
 def predicted(item: Measured, model: Any, parameters: Mapping[str, Any]) -> Float[Array, "m"]:
-    """Values as the model computes them."""
+    """Return the computed values."""
     return jnp.ravel(jnp.asarray(item.answer(model, **{name: parameters[name] for name in item.parameters})))
 
 
 def in_deviations(item: Measured, differences: np.ndarray) -> np.ndarray:
-    """Differences (m, ...) in standard deviations, decorrelated; unchanged if the scatter is not known."""
+    """Return differences (m, ...) in standard deviations, decorrelated; unchanged if the scatter is not known."""
     if item.scatter is None:
         return differences
     if item.scatter.ndim == 1:
@@ -68,7 +68,7 @@ def in_deviations(item: Measured, differences: np.ndarray) -> np.ndarray:
 
 
 def check_unit(item: Measured, computed: np.ndarray) -> None:
-    """Refuse values whose unit cannot be the unit of the answer, or whose number differs."""
+    """Raise ValueError if the number of values differs, or their unit cannot be the unit of the answer."""
     if computed.shape != item.values.shape:
         raise ValueError(
             f"Measurement '{item.name}' has {len(item.values)} values, but the model computes {len(computed)}."
@@ -84,7 +84,7 @@ def check_unit(item: Measured, computed: np.ndarray) -> None:
 
 
 def _refuse_ratio(item: Measured, ratio: float) -> None:
-    """Refuse a ratio of measured to computed values that is beyond any error of a model."""
+    """Raise ValueError for a ratio of measured to computed values that only a wrong unit explains."""
     if not 1 / MISTAKEN_UNIT < ratio < MISTAKEN_UNIT:
         raise ValueError(
             f"Values of measurement '{item.name}' are about {ratio:.2g} times the values that the model computes at the"
@@ -102,28 +102,27 @@ def measured(
     over: Any = None,
     label: str = "",
 ) -> Measured:
-    """Measured values of an answer, with their scatter.
+    """Describe measured values of an answer, with their scatter.
 
     Args:
-        answer: A quantity by name such as "frequency 1" (a question, see :meth:`flexmb.paths.Path.along`), several
-            questions, or a function ``answer(model)`` that returns one number or an array. Further arguments of the
-            function are fitted parameters, by name: ``lambda model, offset: reading(model) + offset`` fits the offset
-            of a sensor too.
-        values: As measured, one number or (m,) [unit of the answer].
-        deviation: Standard deviation of the values, one number or (m,) [unit of the answer]. Omit it if it is not
-            known. A fit then estimates one standard deviation for all values from the differences. It accepts this for
-            a single measurement, whose values have one unit.
+        answer: A question such as "frequency 1" (see :meth:`flexmb.paths.Path.along`), a list of questions, or a
+            function ``answer(model)`` that returns a number or an array. Further arguments of the function are fitted
+            parameters, by name: ``lambda model, offset: reading(model) + offset`` fits the offset of a sensor too.
+        values: Measured values, () or (m,) [unit of the answer].
+        deviation: Standard deviation of the values, () or (m,) [unit of the answer]. Omit it if it is not known. A fit
+            then estimates a common standard deviation of all values from the differences. This needs data with a
+            single measurement, so that all values have the same unit.
         covariance: Covariance of correlated values, (m, m), in place of ``deviation``.
-        name: For tables and messages; by default the text of the question or the name of the function.
-        over: Places of the values on the axis of a picture, (m,).
+        name: Name in tables and messages; by default the text of the question or the name of the function.
+        over: Place of each value on the axis of a picture, (m,).
         label: Name of this axis, such as "load [N]".
 
     Returns:
         Measured.
 
     Raises:
-        ValueError: A value is not finite, a deviation is not positive, or a covariance is not positive definite. The
-            message names the measurement.
+        ValueError: A value is not finite. A deviation is not positive. A covariance is not symmetric and positive
+            definite. Shapes differ. The message names the measurement.
         KeyError: No such question.
         TypeError: The answer is neither a question nor a function.
     """
@@ -189,14 +188,14 @@ def _scatter(what: str, count: int, deviation: Any, covariance: Any) -> np.ndarr
 
 
 def measurements(data: Any) -> list[Measured]:
-    """Measurements of all accepted kinds.
+    """Return a list of measurements from data of all accepted kinds.
 
     Args:
-        data: One Measured, several, or a dictionary of values and deviations by question.
+        data: A Measured, several, or a dictionary of values and deviations by question.
 
     Raises:
-        TypeError: Something else.
-        ValueError: There are none, two have one name, or the scatter of some is not known.
+        TypeError: The data have another type.
+        ValueError: There are no measurements, two have the same name, or one of several has no deviation.
     """
     if isinstance(data, Measured):
         items = [data]

@@ -1,4 +1,4 @@
-"""Modal data from measured frequency responses: poles by SciPy's AAA algorithm, refined by least squares."""
+"""Modal data from measured frequency responses: poles by the AAA algorithm of SciPy, refined by least squares."""
 
 import dataclasses
 import warnings
@@ -18,10 +18,10 @@ from .measurement import Measured
 from .mode_pairing import measured_modes
 
 QUANTITIES = ("position", "velocity", "acceleration")
-# Numbers of terms of rational functions from which poles are taken, and modes looked for unless told otherwise.
+# Numbers of terms of the rational functions that give candidates for poles; default largest number of modes.
 TERMS = (6, 10, 16, 24, 34)
 MOST_MODES = 12
-# Number of trial poles that are refined for each further mode; places of large differences with these damping ratios.
+# For each further mode: number of refined candidates, number of peaks of the differences, damping ratios at the peaks.
 TRIED, PEAKS = 3, 4
 RATIOS = np.array([0.002, 0.01, 0.05])
 
@@ -31,16 +31,17 @@ class ModalData(Result):
     """Modes of a mechanism from its measured frequency responses.
 
     Attributes:
-        hertz: Natural frequencies, the modulus of the poles, ascending, (modes,) [Hz].
-        hertz_deviation: Their standard deviations, (modes,) [Hz].
+        hertz: Natural frequencies, modulus of the poles over 2 pi, ascending, (modes,) [Hz].
+        hertz_deviation: Standard deviations of the frequencies, (modes,) [Hz].
         damping: Damping ratios, (modes,) [-].
-        damping_deviation: Their standard deviations, (modes,) [-].
-        residues: Of the poles with positive frequency, (outputs, modes) [unit of the response times rad/s].
-        shapes: Real mode shapes at the outputs, the largest number of each 1, (outputs, modes) [-].
-        poles: With positive frequency, (modes,) [rad/s].
-        fitted: Response of these modes and of two terms for the modes beside the band, (n_f, outputs).
-        noise: Root of the mean square of the differences in standard deviations; relative to the response if no
-            deviation was given [-].
+        damping_deviation: Standard deviations of the damping ratios, (modes,) [-].
+        residues: Residues of the poles with positive frequency, (outputs, modes) [unit of the response times rad/s].
+        shapes: Real mode shapes at the outputs, with largest entry 1, (outputs, modes) [-].
+        poles: Poles with positive frequency, (modes,) [rad/s].
+        fitted: Response of these modes and of two terms for modes outside the band, (n_f, outputs) [unit of the
+            response].
+        noise: Root mean square of the differences in standard deviations, or relative to the response without
+            ``deviation`` [-].
     """
 
     hertz: Float[np.ndarray, "modes"]
@@ -57,8 +58,8 @@ class ModalData(Result):
         """Return the frequencies as a measurement for :func:`flexmb.fit`.
 
         Args:
-            at: Coordinates of the outputs, such as "tip.y", (outputs,). With them modes are paired by their shapes.
-            name: For tables and messages.
+            at: Coordinates of the outputs, such as "tip.y", (outputs,). A fit then pairs the modes by their shapes.
+            name: Name in tables and messages.
             options: Other arguments of :func:`flexmb.measured_modes`.
         """
         if len(at):
@@ -66,7 +67,7 @@ class ModalData(Result):
         return measured_modes(self.hertz, self.hertz_deviation, name=name, **options)
 
     def summary(self) -> Summary:
-        """Return frequency and damping ratio of each mode, with their deviations."""
+        """Return frequency and damping ratio of each mode, with their standard deviations."""
         rows = {
             f"mode {i + 1}": f"{f:.6g} ± {df:.2g} Hz, damping {z:.4g} ± {dz:.2g}"
             for i, (f, df, z, dz) in enumerate(
@@ -85,38 +86,39 @@ def modes_of_response(
     modes: int | None = None,
     quantity: Literal["position", "velocity", "acceleration"] = "position",
 ) -> ModalData:
-    """Find poles and residues of measured frequency responses to one input.
+    """Find poles and residues of measured frequency responses to a common input.
 
     Args:
         hertz: Frequencies, positive and ascending, (n_f,) [Hz].
         responses: Complex responses of one or several outputs, (n_f,) or (n_f, outputs).
-        deviation: Standard deviation of real part and of imaginary part: a number, or as ``responses``. Without it
-            every value has the same deviation relative to its magnitude, which follows from the misfit.
-        modes: Number of modes; by default as many as lower the misfit by more than scatter does, up to twelve.
-        quantity: What the outputs measure.
+        deviation: Standard deviation of real part and of imaginary part: a number, (n_f,), or the shape of
+            ``responses`` [unit of the response]. Without it, all values have the same standard deviation relative to
+            their magnitude. flexmb estimates it from the differences.
+        modes: Number of modes. By default flexmb chooses it by the Bayesian information criterion, up to twelve.
+        quantity: Quantity that the outputs measure.
 
     Returns:
-        ModalData. ``measured`` makes a measurement of it for :func:`flexmb.fit`.
+        ModalData. Its method ``measured`` returns a measurement for :func:`flexmb.fit`.
 
     Raises:
-        ValueError: Numbers of frequencies and responses differ, a value is not finite or zero, frequencies are not
-            ascending, a deviation is not positive, or there are too few values for the modes.
-        AnalysisError: Fewer modes were found than asked for (not_converged).
+        ValueError: Numbers of frequencies and responses differ. A value is zero or not finite. Frequencies are not
+            positive and ascending. A deviation is not positive. There are too few values for the modes.
+        AnalysisError: flexmb finds fewer modes than wanted (not_converged).
 
     Warns:
-        FlexmbWarning: The responses do not fit within the given deviations.
+        FlexmbWarning: The root mean square of the differences exceeds 1.5 times the given deviations.
 
     Source:
-        Candidates: AAA, Nakatsukasa, Sete, Trefethen 2018 (SciPy). Choice among them by the Bayesian information
-        criterion: Schwarz 1978. Refinement by variable projection: Golub, Pereyra 1973. H(s) = sum of R/(s - p) and of
-        its conjugate, plus L/s^2 + U for modes below and above the band.
+        Candidates: AAA, Nakatsukasa, Sete, Trefethen 2018 (SciPy). Number of modes by the Bayesian information
+        criterion: Schwarz 1978. Refinement by variable projection: Golub, Pereyra 1973. H(s) is the sum of
+        R/(s - p) + conj(R)/(s - conj(p)) over the modes, plus L/s^2 + U for modes below and above the band.
     """
     check_choice("quantity", quantity, QUANTITIES)
     places, values, spread = _checked(hertz, responses, deviation)
     if modes is not None:
         check_whole("modes", modes, 1)
     s = 2j * np.pi * places
-    # As responses of positions, which have poles in conjugate pairs and vanish at high frequencies.
+    # Responses of positions have the form of H(s), without terms that grow with frequency.
     order = QUANTITIES.index(quantity)
     rows = _Rows(s, values / s[:, None] ** order, spread / np.abs(s[:, None]) ** order)
     most = (values.size * 2 - 1) // (2 * values.shape[1] + 2) - 1
@@ -151,12 +153,12 @@ def modes_of_response(
     )
 
 
-# Misfit in deviations beyond which modes do not explain the responses.
+# Largest root mean square of differences, in deviations, of modes that explain the responses.
 TOO_FAR = 1.5
 
 
 def _checked(hertz: Any, responses: Any, deviation: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Frequencies, (n_f,), responses and their deviations, (n_f, outputs)."""
+    """Return frequencies, (n_f,), responses and their deviations, (n_f, outputs)."""
     places = np.atleast_1d(np.asarray(hertz, float))
     values: Any = np.asarray(responses, complex)
     values = values[:, None] if values.ndim == 1 else values
@@ -183,33 +185,33 @@ def _checked(hertz: Any, responses: Any, deviation: Any) -> tuple[np.ndarray, np
 
 
 def _real(rows: Any) -> np.ndarray:
-    """Real parts, then imaginary parts."""
+    """Return real parts, then imaginary parts, as one array."""
     return np.concatenate([rows.real, rows.imag])
 
 
 class _Rows:
-    """Weighted responses as real rows, which are linear in residues and in the terms of modes beside the band."""
+    """Weighted responses as real rows, linear in residues and in the two terms for modes outside the band."""
 
     def __init__(self, s: np.ndarray, values: np.ndarray, spread: np.ndarray):
         self.s, self.values, self.spread = s, values, spread
         self.low, self.high = np.abs(s[0]), np.abs(s[-1])
 
     def basis(self, poles: Any) -> np.ndarray:
-        """Columns of the linear numbers: real and imaginary parts of residues, then the two other terms."""
+        """Return the columns of the linear coefficients: real and imaginary parts of residues, then the two terms."""
         down, up = 1 / (self.s[:, None] - poles), 1 / (self.s[:, None] - poles.conj())
         size = np.abs(poles)
         beside = np.stack([(self.low / self.s) ** 2, np.ones(len(self.s))], axis=1)
         return np.concatenate([size * (down + up), 1j * size * (down - up), beside], axis=1)
 
     def solved(self, poles: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Differences in standard deviations, end to end, and the linear numbers of each output as columns."""
+        """Return differences in standard deviations, (rows,), and linear coefficients, (coefficients, outputs)."""
         rows, found, _ = self._projected(poles, ())
         return rows, found
 
     def slopes(self, poles: Any) -> np.ndarray:
-        """Derivatives of the differences by logarithms of modulus and damping ratio of the poles, (rows, 2 modes).
+        """Return derivatives of differences by logarithms of modulus and damping ratio of the poles, (rows, 2 modes).
 
-        The linear numbers follow the poles (variable projection, with the approximation of Kaufman 1975).
+        The linear coefficients depend on the poles (variable projection, approximation of Kaufman 1975).
         """
         size, ratio = np.abs(poles), -poles.real / np.abs(poles)
         by_ratio = ratio * size * (-1 - 1j * ratio / np.sqrt(1 - ratio**2))
@@ -221,7 +223,7 @@ class _Rows:
         return self._projected(poles, changes)[2]
 
     def _projected(self, poles: Any, changes: Sequence[Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Differences, linear numbers, and what changes of the basis change beside its own span."""
+        """Return differences, linear coefficients, and changes of the response orthogonal to the basis."""
         basis, count = self.basis(poles), len(poles)
         rows, found, slopes = [], [], []
         for values, spread in zip(self.values.T, self.spread.T, strict=True):
@@ -240,17 +242,17 @@ class _Rows:
         return np.concatenate(rows), np.stack(found, axis=1), np.concatenate(slopes) if slopes else np.zeros((0, 0))
 
     def residues(self, poles: Any, coefficients: np.ndarray) -> np.ndarray:
-        """Residues of the poles with positive frequency, (outputs, modes)."""
+        """Return residues of the poles with positive frequency, (outputs, modes)."""
         count = len(poles)
         return np.abs(poles) * (coefficients[:count] + 1j * coefficients[count : 2 * count]).T
 
     def response(self, poles: Any, coefficients: np.ndarray) -> np.ndarray:
-        """Response, (n_f, outputs)."""
+        """Return the response, (n_f, outputs)."""
         return self.basis(poles) @ coefficients
 
 
 def _candidates(rows: _Rows) -> np.ndarray:
-    """Stable poles in the band from rational functions of each response, each once."""
+    """Return different stable poles in the band, from rational functions of each response."""
     from scipy.interpolate import AAA
 
     found: list[complex] = []
@@ -260,7 +262,7 @@ def _candidates(rows: _Rows) -> np.ndarray:
             if terms > len(rows.s):
                 break
             with warnings.catch_warnings():
-                # It says that a number of terms does not meet the tolerance, here zero.
+                # AAA warns if the terms do not meet the tolerance, which is zero here.
                 warnings.simplefilter("ignore", RuntimeWarning)
                 poles = AAA(
                     points, np.concatenate([values, values.conj()]), max_terms=terms, rtol=0.0, clean_up=False
@@ -276,7 +278,7 @@ def _candidates(rows: _Rows) -> np.ndarray:
 
 
 def _chosen(rows: _Rows, candidates: np.ndarray, wanted: int | None, most: int) -> np.ndarray:
-    """Poles that lower the misfit most, one after the other."""
+    """Add poles one after the other: each time the pole that reduces the differences most."""
     chosen, score = np.zeros(0, complex), np.inf
     values = 2 * rows.values.size
     while len(chosen) < most:
@@ -304,7 +306,7 @@ def _chosen(rows: _Rows, candidates: np.ndarray, wanted: int | None, most: int) 
 
 
 def _are_modes(rows: _Rows, poles: Any, cost: float) -> bool:
-    """Whether every pole has a damping ratio of a mode that exceeds its deviation."""
+    """Return whether every damping ratio is below the limit and above its standard deviation."""
     jacobian = rows.slopes(poles)
     freedom = max(len(jacobian) - jacobian.shape[1], 1)
     try:
@@ -316,7 +318,7 @@ def _are_modes(rows: _Rows, poles: Any, cost: float) -> bool:
 
 
 def _at_differences(rows: _Rows, poles: Any) -> np.ndarray:
-    """Poles where the differences are largest, with several damping ratios."""
+    """Return poles at the largest differences, with several damping ratios."""
     count = len(rows.s)
     differences = rows.solved(poles)[0].reshape(rows.values.shape[1], 2, count)
     power = np.sum(differences**2, axis=(0, 1))
@@ -328,7 +330,7 @@ def _at_differences(rows: _Rows, poles: Any) -> np.ndarray:
 
 
 def _refined(rows: _Rows, poles: Any) -> np.ndarray:
-    """Poles of the least misfit near others."""
+    """Return the poles with the least squares of differences near given poles."""
     from scipy.optimize import least_squares
 
     def poles_of(numbers: np.ndarray) -> np.ndarray:
@@ -352,7 +354,7 @@ def _refined(rows: _Rows, poles: Any) -> np.ndarray:
 
 
 def _real_shapes(residues: np.ndarray) -> np.ndarray:
-    """Shapes with the phase that makes each as real as possible, the largest number 1."""
+    """Return real shapes with largest entry 1, after the rotation with the least imaginary parts."""
     turned = residues * np.exp(-0.5j * np.angle(np.sum(residues**2, axis=0)))
     real = turned.real
     largest = real[np.argmax(np.abs(real), axis=0), np.arange(real.shape[1])]

@@ -28,26 +28,27 @@ def measured_modes(
     among: int | None = None,
     name: str = "frequencies",
 ) -> Measured:
-    """Measured natural frequencies of a mechanism at its equilibrium.
+    """Describe measured natural frequencies of a mechanism at its equilibrium.
 
-    Without shapes, frequency i is the frequency of mode i, or of the mode with the given number. With shapes, each
-    measured mode is paired with the mode whose shape is most alike, so that modes may cross while parameters change.
+    Without shapes, frequency i is the frequency of mode i, or of the mode with the given number. With shapes, flexmb
+    pairs the measured modes with modes of the model by the similarity of their shapes. Modes may then change their
+    order while parameters change.
 
     Args:
-        hertz: Frequencies, (m,) [Hz].
-        deviation: Standard deviation, one number or (m,) [Hz].
+        hertz: Measured frequencies, (m,) [Hz].
+        deviation: Standard deviation, () or (m,) [Hz].
         numbers_of_modes: Numbers of the modes, from 1, (m,); by default 1 to m.
-        shapes: Measured shapes, one shape for each column, in any scale, (sensors, m). flexmb uses them for pairing
-            only.
+        shapes: Measured shapes as columns, in any scale, (sensors, m). flexmb uses them for pairing only.
         at: Coordinates that the sensors measure, such as "tip.y", (sensors,).
         among: Number of modes of the model that flexmb compares with the measured shapes; by default twice m.
-        name: For tables and messages.
+        name: Name in tables and messages.
 
     Returns:
-        Measured. Its check raises ValueError for a measured mode without partner.
+        Measured. Its ``check`` raises ValueError for a measured mode without partner.
 
     Raises:
-        ValueError: There is not one number or one shape for each frequency, or shapes have no sensors.
+        ValueError: The number of mode numbers or of shapes differs from the number of frequencies. Shapes have no
+            sensors, or sensors have no shapes.
 
     Source:
         Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).
@@ -66,7 +67,7 @@ def measured_modes(
 
         def answer_by_number(model: Any) -> Float[Array, "m"]:
             lowest = frequencies(model, count=most)
-            # JAX would answer a number beyond the last mode with the last mode.
+            # JAX would return the last mode for any larger index.
             if len(lowest) < most:
                 raise ValueError(f"Measurement '{name}' has mode {most}, but the model has {len(lowest)} modes.")
             return lowest[which - 1]
@@ -100,7 +101,7 @@ def measured_modes(
 
 
 def _modes_at_sensors(model: Any, at: Sequence[str], count: int) -> tuple[Array, Float[Array, "sensors modes"]]:
-    """Lowest eigenvalues, and the motion of the sensors in these modes, which has no derivative."""
+    """Return the lowest eigenvalues, and the motion of the sensors in these modes, without derivatives."""
     lin = linearize(model)
     names = [str(entry) for entry in lin.labels.x]
     for text in at:
@@ -113,7 +114,7 @@ def _modes_at_sensors(model: Any, at: Sequence[str], count: int) -> tuple[Array,
 
 
 def partners(moved: Float[Array, "sensors modes"], shapes: np.ndarray) -> tuple[Array, Array]:
-    """Modes that are most like measured shapes, (m,), and their modal assurance criterion, (m,)."""
+    """Return the modes paired with measured shapes, (m,), and their modal assurance criterion, (m,)."""
     import optax
 
     sizes = jnp.sum(jnp.asarray(shapes).T ** 2, axis=1)[:, None] * jnp.sum(moved**2, axis=0)

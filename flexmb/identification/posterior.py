@@ -1,4 +1,4 @@
-"""The posterior distribution of fitted parameters, by the sampler NUTS of numpyro."""
+"""Posterior distribution of fitted parameters, by the sampler NUTS of numpyro."""
 
 import dataclasses
 import importlib
@@ -21,9 +21,9 @@ from ..numerical_limits import FEW_DRAWS, NOT_MIXED
 from .measurement import Measured
 from .problem import FitProblem, prediction_of
 
-# Up to so many parameters derivatives are computed forwards, which compiles faster.
+# Largest number of parameters for forward differentiation, which compiles faster.
 FORWARD = 6
-# Largest share of the distance of its bounds to which a start is moved from a bound.
+# Least distance of a start from a bound, as a share of the distance of the bounds.
 ASIDE = 0.01
 
 
@@ -34,7 +34,7 @@ class Posterior(Result):
     Attributes:
         parameters: Samples by name, all chains one after the other, (samples, ...) [SI].
         labels: Names of all parameters, "height[3]" for an entry of an array.
-        mixing: Split R-hat by label: 1 where all chains tell the same [-].
+        mixing: Split R-hat by label: 1 if all chains have the same distribution [-].
         draws: Effective number of independent samples by label [-].
         divergences: Number of samples at which the sampler failed.
         problem: The least-squares problem.
@@ -53,10 +53,10 @@ class Posterior(Result):
         return np.concatenate([v.reshape(len(v), -1) for v in self.parameters.values()], axis=1)
 
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
-        """Credible interval of a parameter, with equal probabilities beyond both ends [SI].
+        """Return the credible interval of a parameter, with equal probabilities beyond both ends [SI].
 
         Args:
-            name: Of a parameter; "height[3]" for an entry of an array.
+            name: Name of a parameter; "height[3]" for an entry of an array.
             level: Probability of the interval [-].
 
         Raises:
@@ -71,11 +71,11 @@ class Posterior(Result):
         return float(lower), float(upper)
 
     def predict(self, answers: Answers, *, samples: int = 200) -> Sweep:
-        """Answers of mechanisms with parameters of the posterior.
+        """Compute answers of mechanisms with sampled parameters.
 
         Args:
             answers: Functions of the model, or questions such as "frequency 4".
-            samples: Number of samples, evenly chosen.
+            samples: Number of samples, evenly spaced over all samples.
 
         Returns:
             Sweep over the samples.
@@ -110,14 +110,14 @@ def sampled_posterior(
     chains: int,
     seed: int,
 ) -> Posterior:
-    """Samples of the posterior from the parameters of a fit on.
+    """Sample the posterior, starting at the parameters of a fit.
 
-    The sampler moves in whitened logits of the scaled parameters, so that bounds are never met.
+    The coordinates of the sampler are whitened logits of the scaled parameters, which have no bounds.
     """
     mcmc, diagnostics = _numpyro()
     at = np.clip(unit, ASIDE, 1 - ASIDE)
     logit, change = np.log(at / (1 - at)), at * (1 - at)
-    # A logit of a uniform number has the variance pi^2/3.
+    # The logit of a uniform random number has the variance pi^2/3.
     precision = (slopes * change).T @ (slopes * change) + 3 / np.pi**2 * np.eye(len(at))
     root: Any = np.linalg.inv(np.linalg.cholesky(precision)).T
     log_density = _log_density(problem, known=known)
@@ -130,7 +130,7 @@ def sampled_posterior(
         kernel, num_warmup=warmup, num_samples=count, num_chains=chains, chain_method="sequential", progress_bar=False
     )
     first = np.zeros(len(at)) if chains == 1 else np.zeros((chains, len(at)))
-    # numpyro divides numbers of different kinds, which a user may have forbidden.
+    # numpyro mixes types of numbers. A user's setting may forbid this.
     with jax.numpy_dtype_promotion("standard"):
         run.run(jax.random.PRNGKey(seed), init_params=jnp.asarray(first), extra_fields=("diverging",))
     white = np.asarray(run.get_samples(group_by_chain=True))
@@ -157,7 +157,7 @@ def _numpyro() -> tuple[Any, Any]:
 
 
 def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, "n"]], Float[Array, ""]]:
-    """Logarithm of the posterior density of the logits of the scaled parameters."""
+    """Return the logarithm of the posterior density as a function of the logits of the scaled parameters."""
     answers = {item.name: prediction_of(item) for item in problem.items}
     function, _ = flat_function(problem.build, answers, problem.layout, problem.models)
     measured, scaling = jnp.asarray(problem.measured), problem.scaling
@@ -168,7 +168,7 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
         rows = [_in_deviations(i, (values - measured)[p]) for i, p in zip(problem.items, problem.parts, strict=True)]
         square = sum(jnp.sum(row**2) for row in rows)
         found = -square / 2 if known else -len(problem.measured) / 2 * jnp.log(square)
-        # Between the bounds every scaled parameter is as probable, unless a prior says otherwise.
+        # Density of the logit of a scaled parameter that is uniform between its bounds. A prior multiplies it below.
         found += jnp.sum(jax.nn.log_sigmoid(logit) + jax.nn.log_sigmoid(-logit))
         flat = scaling.to_dimensions(unit)
         for i, prior in problem.priors.items():

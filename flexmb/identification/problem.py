@@ -1,4 +1,4 @@
-"""The least-squares problem of a fit: weighted differences between measured and computed values, and their slopes."""
+"""Least-squares problem of a fit: weighted differences of computed and measured values, and their slopes."""
 
 import functools
 from collections.abc import Callable, Mapping
@@ -23,14 +23,14 @@ GOOD = (RESULTS.successful, RESULTS.unstable_state)
 
 
 class Prior(NamedTuple):
-    """What is known of a parameter before the fit: its mean and standard deviation [SI]."""
+    """Prior mean and standard deviation of a parameter [SI]."""
 
     mean: float
     deviation: float
 
 
 class Solution(NamedTuple):
-    """Where a search ended.
+    """End of a search.
 
     Attributes:
         unit: Scaled parameters, (n,).
@@ -46,7 +46,7 @@ class Solution(NamedTuple):
 
 
 class FitProblem:
-    """Weighted differences of a fit as a function of scaled parameters, numbers from 0 to 1 between their bounds."""
+    """Weighted differences of a fit as a function of scaled parameters, from 0 to 1 between their bounds."""
 
     def __init__(
         self,
@@ -59,17 +59,17 @@ class FitProblem:
         loss: str,
         max_evaluations: int,
     ):
-        """Build once and compile nothing yet.
+        """Build the model once, without compilation.
 
         Args:
             build: Function of the parameters ``taken`` that returns a model.
-            taken: Names of the parameters that ``build`` takes; measurements take others.
+            taken: Names of the arguments of ``build``. Other parameters belong to measurements.
             items: Measurements.
-            scaling: Between bounds and numbers from 0 to 1.
-            priors: By the number of the parameter.
+            scaling: Scaling of the parameters to numbers from 0 to 1.
+            priors: Priors by the index of the parameter.
             first: Start, (n,) [SI].
-            loss: Of ``scipy.optimize.least_squares``.
-            max_evaluations: For each search.
+            loss: Loss of ``scipy.optimize.least_squares``.
+            max_evaluations: Largest number of evaluations of each search.
         """
         self.items, self.scaling, self.priors, self.first = items, scaling, priors, first
         self.loss, self.max_evaluations = loss, max_evaluations
@@ -92,7 +92,7 @@ class FitProblem:
     def function_of(
         self, answers: Mapping[str, Callable[[Any], Any]]
     ) -> tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]], Layout]:
-        """Answers of (model, parameters) with their slopes by the scaled parameters, compiled, and their layout."""
+        """Return the compiled function from scaled parameters to answers, slopes and code, and the answers' layout."""
         function, layout = flat_function(self.build, answers, self.layout, self.models)
         differentiate: Any = jax.jacfwd if sum(self.layout.sizes) <= REVERSE_COST * sum(layout.sizes) else jax.jacrev
 
@@ -111,7 +111,7 @@ class FitProblem:
     def asked_at(
         self, unit: np.ndarray, answers: Mapping[str, Callable[[Any], Any]]
     ) -> tuple[np.ndarray, np.ndarray, Layout]:
-        """Answers of (model, parameters), their slopes and their layout; AnalysisError if one has no finite value."""
+        """Return answers of (model, parameters), their slopes and their layout; AnalysisError if not finite."""
         call, layout = self.function_of(answers)
         values, slopes, code = call(unit)
         if code not in ANSWERED:
@@ -124,17 +124,17 @@ class FitProblem:
 
     @property
     def measured(self) -> np.ndarray:
-        """All measured values, end to end, (m,)."""
+        """Values of all measurements, (m,)."""
         return np.concatenate([item.values for item in self.items])
 
     def weighted(self, differences: np.ndarray) -> np.ndarray:
-        """Differences (m, ...) in standard deviations."""
+        """Return differences (m, ...) in standard deviations."""
         return np.concatenate(
             [in_deviations(item, differences[p]) for item, p in zip(self.items, self.parts, strict=True)]
         )
 
     def residuals(self, unit: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, int]:
-        """Weighted differences, computed less measured, those of the priors last; their slopes; a code of RESULTS."""
+        """Return weighted differences, measurements before priors, their slopes, and a code of RESULTS."""
         computed, slopes, code = self.function(unit)
         wanted = self.measured if values is None else values
         rows, slope_rows = [self.weighted(computed - wanted)], [self.weighted(slopes)]
@@ -148,7 +148,7 @@ class FitProblem:
     def solve(
         self, start: np.ndarray, *, values: np.ndarray | None = None, fixed: Mapping[int, float] | None = None
     ) -> Solution:
-        """Search from one start, for other measured values where they are given, with some scaled parameters fixed."""
+        """Search from a start, with optional other measured values and fixed scaled parameters."""
         import scipy.optimize
 
         fixed = dict(fixed or {})
@@ -176,7 +176,7 @@ class FitProblem:
         if not len(free):
             rows = at(np.zeros(0))[0]
             return Solution(whole(np.zeros(0)), _cost(rows, self.loss), 1, True)
-        # The method starts inside the bounds.
+        # SciPy needs a start inside the bounds.
         inside = np.clip(np.asarray(start, float)[free], 1e-6, 1 - 1e-6)
         if not np.all(np.isfinite(at(inside)[0])):
             return Solution(whole(inside), np.inf, 1, False)
@@ -196,7 +196,7 @@ class FitProblem:
 
 
 def prediction_of(item: Measured) -> Callable[[Any], Any]:
-    """The answer of a measurement as a function of the model and the parameters."""
+    """Return the answer of a measurement as a function of the pair (model, parameters)."""
     return lambda made: predicted(item, *made)
 
 
@@ -205,7 +205,7 @@ def _cost(rows: np.ndarray, loss: str) -> float:
 
 
 def robust(rows: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
-    """Robust loss of each weighted difference, and its weight in the normal equations, as SciPy defines the losses."""
+    """Return the robust loss (as in SciPy) of each weighted difference, and its weight in the normal equations."""
     squares = rows**2
     if loss == "linear":
         return squares, np.ones_like(rows)

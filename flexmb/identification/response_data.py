@@ -1,4 +1,4 @@
-"""Measured frequency responses as complex values."""
+"""Measured frequency responses with complex values."""
 
 import dataclasses
 from typing import Any
@@ -26,27 +26,28 @@ def measured_response(
     logarithmic: bool = False,
     name: str = "response",
 ) -> Measured:
-    """Measured response of an output to a harmonic input.
+    """Describe the measured response of an output to a harmonic input.
 
-    ``control.FrequencyResponse.load`` reads a universal file (data set 58), ``numpy.loadtxt`` a table.
+    ``control.FrequencyResponse.load`` reads a universal file (data set 58), ``numpy.loadtxt`` reads a table.
 
     Args:
         hertz: Frequencies, (n_f,) [Hz].
         values: Complex response, (n_f,) [unit of the output over the unit of the input].
-        deviation: Standard deviation of real part and of imaginary part, one number or (n_f,) [unit of the response].
-        output, input: Names of an output and an input of the model; may be left out if there is one.
-        loss_factor: Structural damping, a number [-] or the name of a fitted parameter.
-        gain: Name of a fitted parameter that multiplies the response [-].
+        deviation: Standard deviation of real part and of imaginary part, () or (n_f,) [unit of the response].
+        output, input: Names of an output and an input of the model. Omit the name of a single output or input.
+        loss_factor: Loss factor of structural damping, a number [-] or the name of a fitted parameter.
+        gain: Name of a fitted parameter, a factor of the response [-].
         delay: Name of a fitted parameter, the delay of the measuring chain [s].
-        logarithmic: Compare logarithm of magnitude and phase in place of real and imaginary part. Use it far from the
-            solution: it has fewer local minima. Deviations become relative to the measured magnitude.
-        name: For tables and messages.
+        logarithmic: Compare logarithm of magnitude and phase in place of real and imaginary part. This comparison has
+            fewer local minima; use it far from the solution. flexmb divides the deviations by the measured magnitude.
+        name: Name in tables and messages.
 
     Returns:
-        Measured, with real parts first and imaginary parts after them.
+        Measured: first the real parts, then the imaginary parts.
 
     Raises:
-        ValueError: Numbers of frequencies and values differ, or one is not finite; as :func:`measured` raises.
+        ValueError: Numbers of frequencies and values differ. A frequency or value is not finite. A response is zero
+            with ``logarithmic``. Also the errors of :func:`measured`.
 
     Source:
         y = gain exp(-2 pi i f delay) H(2 pi i f) u.

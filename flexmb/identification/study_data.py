@@ -1,4 +1,4 @@
-"""The measurements of a study in a TOML file: inline numbers, CSV files and universal files."""
+"""Reader of the measurements of a study: inline numbers, CSV files and universal files."""
 
 import contextlib
 import csv
@@ -31,7 +31,7 @@ from .measurement import Measured, measured
 from .mode_pairing import measured_modes
 from .response_data import measured_response
 
-# A table of a million rows.
+# A table of a million rows is smaller.
 LARGEST_TABLE = 64 * 2**20
 SEPARATORS = ";\t,"
 
@@ -43,7 +43,7 @@ def _texts(key: str, value: Any) -> tuple[str, ...]:
 
 
 def _true_or_numbers(key: str, value: Any) -> list[int] | None:
-    """Numbers of modes, or None for true."""
+    """Return numbers of modes, or None for true."""
     if value is True:
         return None
     if not isinstance(value, list) or not value:
@@ -69,7 +69,7 @@ def _columns(key: str, value: Any) -> dict[str, str | int]:
     }
 
 
-# Kinds by key: of all measurements, of a file, and of each kind of measurement with the columns that a file may have.
+# Kinds by key: keys of all measurements, keys of a file, and for each kind of measurement its keys and its columns.
 EVERY: dict[str, Kind] = {"deviation": as_numbers, "relative_deviation": as_positive}
 FILE: dict[str, Kind] = {"file": as_text, "columns": _columns}
 KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
@@ -93,7 +93,7 @@ KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
 
 
 def measurements_of(about: str, folder: Path, data: Mapping[str, Any]) -> list[Measured]:
-    """Measurements of the table [data] of a study; StudyError with the key if one is wrong."""
+    """Return the measurements of the table [data] of a study; a StudyError names the key."""
     return [
         _measurement(f"[data] {clean(name)}", about, folder, as_text("[data]", name), given)
         for name, given in data.items()
@@ -126,7 +126,7 @@ def _measurement(key: str, about: str, folder: Path, name: str, given: Any) -> M
 
 @contextlib.contextmanager
 def _named(key: str) -> Iterator[None]:
-    """Turn faults of a measurement into faults of the study, with the key."""
+    """Turn errors of a measurement into a StudyError with its key."""
     try:
         yield
     except StudyError:
@@ -151,7 +151,7 @@ def _deviation(key: str, entry: Mapping[str, Any], values: np.ndarray) -> Any:
 
 
 def _answer(key: str, about: str, folder: Path, texts: tuple[str, ...]) -> tuple[Any, Callable[..., Any] | None]:
-    """A question, several, or a function with the same function whose faults are named."""
+    """Return the answer for `measured`, and the function with errors that name the key, or None."""
     if len(texts) == 1 and ":" in texts[0]:
         function = function_of(f"{key}: answer", folder, texts[0])
         return function, Called(f"{about}: {key}", texts[0], function, is_answer=True)
@@ -198,7 +198,7 @@ def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...
 
 
 def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Frequencies and response of a universal file, data set 58."""
+    """Return frequencies and response of a universal file, data set 58."""
     if "columns" in entry:
         raise StudyError(f"{key}: a universal file has no columns. Leave columns out.")
     with _named(f"{key}: file"), _readable(key, path):
@@ -214,7 +214,7 @@ def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.n
 
 @contextlib.contextmanager
 def _readable(key: str, path: Path) -> Iterator[None]:
-    """Name a file that cannot be read, or a library that is missing."""
+    """Turn errors of an unreadable file or a missing library into a StudyError with the key."""
     try:
         yield
     except OSError as fault:
@@ -225,7 +225,7 @@ def _readable(key: str, path: Path) -> Iterator[None]:
 
 
 def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Columns of a CSV file, chosen by name or number, otherwise those with the names of the quantities."""
+    """Return columns of a CSV file by name or number; by default the columns with the names of the quantities."""
     if strangers := [name for name in chosen if name not in columns]:
         raise StudyError(f"{key}: there is no '{clean(strangers[0])}' in columns. Known: {', '.join(columns)}.")
     with _readable(key, path):

@@ -1,4 +1,4 @@
-"""Combinations of parameters that the data do not determine, and those that they do."""
+"""Combinations of parameters that the data do not determine, and products of powers that the data determine."""
 
 import dataclasses
 from collections.abc import Sequence
@@ -11,15 +11,15 @@ from .problem import FitProblem
 
 @dataclasses.dataclass(frozen=True)
 class Undetermined:
-    """Parameters that may change together without a change of the computed values.
+    """Parameters that may change together with hardly any change of the computed values.
 
     Attributes:
-        names: Parameters that take part.
-        change: Their relative changes (logarithmic scale) or changes as a share of their bounds (linear scale), the
-            largest 1, (k,).
-        determined: What the data determine of these parameters alone, in words; empty if nothing.
-        deviation: Standard deviation along the change, as a share of the bounds [-]; infinite if no data of this kind
-            determine it.
+        names: Names of the k parameters.
+        change: Change of each parameter, with the largest change equal to 1, (k,) [-]. Changes are relative to the
+            parameter (logarithmic scale) or to the distance of its bounds (linear scale).
+        determined: Determined products of powers of these parameters, in words; may be empty.
+        deviation: Standard deviation along the change, as a share of the bounds [-]; infinite if the computed values do
+            not change at all.
     """
 
     names: tuple[str, ...]
@@ -36,7 +36,7 @@ class Undetermined:
 
 
 def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Principal directions of weighted slopes: deviations, directions as columns, whether each is undetermined."""
+    """Return principal directions of weighted slopes: deviations, directions as columns, and which are undetermined."""
     n = slopes.shape[1]
     _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
     singular = np.concatenate([singular, np.zeros(n - len(singular))])
@@ -49,7 +49,7 @@ def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray
 def combinations_of(
     problem: FitProblem, unit: np.ndarray, slopes: np.ndarray, noise: float
 ) -> tuple[Undetermined, ...]:
-    """Combinations of parameters that the data do not determine."""
+    """Return the combinations of parameters that the data do not determine."""
     deviations, columns, wide = directions(slopes, noise)
     scaling = problem.scaling
     relative = np.where(scaling.log, scaling.slopes(unit) / np.where(scaling.log, scaling.to_dimensions(unit), 1), 1.0)
@@ -68,7 +68,7 @@ def _combination(
     names = tuple(labels[int(i)] for i in part)
     determined: tuple[str, ...] = ()
     if len(part) > 1 and np.all(logarithmic[part]):
-        # p_i p_0^e stays where e = -change_i/change_0.
+        # p_i p_0^e is constant for e = -change_i/change_0.
         first = int(np.argmax(np.abs(change)))
         determined = tuple(
             f"{names[i]} * {names[first]}^{-change[i] / change[first]:.3g} is determined"

@@ -26,7 +26,7 @@ from .protocol import MotionState, by_time
 
 
 def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
-    """Sentence on the first property of a mechanism that this form does not cover, or None."""
+    """Return a sentence on the first property of a mechanism that excludes this form, or None."""
     if is_nonlinear(topology):
         return "an element states an energy, a dissipation or a law of its own"
     if topology.counts_turns:
@@ -42,7 +42,7 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
 
 
 class ElementTangent(NamedTuple):
-    """:class:`.protocol.Tangent` element by element: coordinates of an element, then its held deformations."""
+    """:class:`.protocol.Tangent` by element matrices: coordinates of an element, then its constrained deformations."""
 
     order: SparseOrder
     by_z: tuple[Float[Array, "elements k k"], ...]
@@ -80,7 +80,7 @@ class ChainForm(CoordinatesForm):
     damping: tuple[Float[Array, "elements d d"] | None, ...]
 
     def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """Stress resultants as a function of deformations and rates, with multipliers at held deformations."""
+        """Return stress resultants by deformations and rates, with multipliers at constrained deformations."""
         drive = self.drive(t)
 
         def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
@@ -134,7 +134,7 @@ class ChainForm(CoordinatesForm):
         return ElementTangent(self.order, by_z, by_w, by_u, by_t, self.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
-        """Corner that keeps redundant constraints solvable, as in :func:`.coordinates_form.bordered`."""
+        """Return the corner for redundant constraints, as in :func:`.coordinates_form.bordered`."""
         mobility = put(jnp.zeros(self.topology.n_x), self.free, self.mobility)[block.x]
         return (
             -REDUNDANT_COMPLIANCE * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
@@ -156,7 +156,7 @@ class ChainForm(CoordinatesForm):
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """State brought back onto the constraints, by the masses of the undeformed shape (THEORY.md 9, eq. (9.3))."""
+        """Return the state projected onto the constraints by the initial masses (THEORY.md 9, eq. (9.3))."""
         n = self.size
         if not self.held.shape[0]:
             return state
@@ -190,7 +190,7 @@ class ChainForm(CoordinatesForm):
 
 
 def chain_form(model: Model, driven: tuple[Driven, ...], order: SparseOrder) -> ChainForm:
-    """Equations of motion of a chain; `order` orders its unknowns."""
+    """Return the equations of motion of a chain; `order` is the order of its unknowns."""
     topology, parameters = model.topology, model.parameters
     # A derivative would carry dense matrices along.
     form = dataclasses.replace(coordinates_form(topology, parameters, driven), S=jnp.zeros((0, 0)), S_d=None)
@@ -211,7 +211,7 @@ def _bordered(
     columns: Float[Array, "elements c d"] | None = None,
     corner: Float[Array, "elements d d"] | None = None,
 ) -> Float[Array, "elements k k"]:
-    """Element matrices by coordinates, bordered by rows and columns of the element's deformations, or by zeros."""
+    """Return element matrices bordered by rows, columns (or zeros) and a corner (or zeros)."""
     count, d, _ = rows.shape
     columns = jnp.zeros_like(rows.mT) if columns is None else columns
     corner = jnp.zeros((count, d, d)) if corner is None else corner

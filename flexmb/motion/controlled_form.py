@@ -51,7 +51,7 @@ class Constant(Record):
 
 
 class PortPlaces(Record):
-    """Indices of what each input acts on and of what each output measures.
+    """Indices of the forces and coordinates of all inputs and outputs.
 
     Attributes:
         forces: Index in x of each force, and its place among the inputs.
@@ -64,7 +64,7 @@ class PortPlaces(Record):
         mix: Weight of each input in each part of an input; None if the inputs are the parts.
         quantities: Quantity of each part of an output: "position", "velocity", "deformation", "deformation rate",
             "rotation", "angular velocity", "local rotation", "local angular velocity", or one of ``LATE``.
-        inputs: Number of inputs. Inputs that move held coordinates are counted, but do nothing here.
+        inputs: Number of inputs, including inputs that move constrained coordinates. The latter have no effect here.
     """
 
     forces: Int[Array, "2 k"]
@@ -85,13 +85,13 @@ class PortPlaces(Record):
 
     @property
     def passes(self) -> bool:
-        """Whether an output depends on an input at given accelerations: a measured stress includes the input."""
+        """Whether an output depends on an input at given accelerations, such as a measured stress resultant."""
         measures_force = any(quantity in FORCES for quantity in self.quantities)
         return measures_force and self.stresses.shape[1] > 0
 
 
 ROTATIONS = ("rotation", "local rotation")
-# Quantities that depend on accelerations and multipliers, and so on the inputs of the same time.
+# Quantities that depend on accelerations and multipliers, and therefore on the inputs at the same time.
 LATE = (
     "acceleration",
     "angular acceleration",
@@ -127,8 +127,8 @@ def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, 
 class ControlledForm(Record):
     """Equations of motion of a mechanism and a controller.
 
-    The states of the controller are velocities of additional coordinates, after the mechanism's. Their
-    "accelerations" are the rates of the states, so that the same solvers apply.
+    The states of the controller are velocities of additional coordinates, which follow the coordinates of the
+    mechanism. The rates of these states are accelerations. The same solvers then apply.
 
     Attributes:
         start: Nodal coordinates from which rotations in space are measured.
@@ -191,7 +191,7 @@ class ControlledForm(Record):
         z: Float[Array, "r"] | None = None,
         u: Float[Array, "n_u"] | None = None,
     ):
-        """Outputs of the mechanism in state `own`; `z` and the inputs `u` that caused it are for late outputs."""
+        """Return the outputs of the mechanism in state `own`; late outputs also need `z` and the inputs `u`."""
         values = self._early(t, own)
         for i, value in zip(self.places.late, self._late(t, own, z, u) if self.places.late else (), strict=True):
             values[i] = value
@@ -240,7 +240,7 @@ class ControlledForm(Record):
         return values
 
     def _turning(self, i: int):
-        """Euler parameters' indices and axis of a measured rotation, and whether the axis turns along."""
+        """Return indices of the Euler parameters and axis of a measured rotation, and whether the axis is local."""
         euler_indices = self.places.outputs[i] + jnp.arange(4)
         return euler_indices, self.places.axes[i], self.places.quantities[i].startswith("local")
 
@@ -261,7 +261,7 @@ class ControlledForm(Record):
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
     def _closed(self, t: Float[Array, ""], own: MotionState, states: Float[Array, "n_z"], z: Float[Array, "r"] | None):
-        """Outputs and inputs at one time; inputs may depend on outputs that they cause."""
+        """Return outputs and inputs at one time, solved together if they depend on each other."""
         if not self.places.late:
             y = self.measured(t, own)
             return y, self._inputs(t, states, y)
@@ -289,7 +289,7 @@ class ControlledForm(Record):
         return at_none + by_input @ u, u
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Residual of the mechanism, and of the controller's rates."""
+        """Return the residual of the mechanism and of the controller."""
         own, states, own_z, rates = self._split(state, z)
         y, u = self._closed(t, own, states, own_z)
         mechanism = self._driven(u).residual(t, own, own_z)
@@ -297,7 +297,7 @@ class ControlledForm(Record):
         return self._joined(mechanism, controller)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
-        """Derivatives of the residual, by the chain rule through outputs and controller."""
+        """Return the derivatives of the residual, by the chain rule through outputs and controller."""
         own, states, own_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
         y, u = self._closed(t, own, states, own_z)
@@ -335,7 +335,7 @@ class ControlledForm(Record):
         y: Float[Array, "n_y"],
         u: Float[Array, "n_u"],
     ) -> tuple[list[Array], list[Array]]:
-        """Derivatives of outputs and inputs by positions, velocities, controller states, and accelerations if late."""
+        """Return derivatives of outputs and inputs by positions, velocities, states, and accelerations if needed."""
         u_by_states, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
         by_u, by_w, by_z, by_input = self._measured_derivatives(t, own, z, u)
         y_by = [by_u, by_w, jnp.zeros((len(y), self.states)), *([] if by_z is None else [by_z])]
@@ -354,12 +354,12 @@ class ControlledForm(Record):
         z: Float[Array, "r"] | None = None,
         u: Float[Array, "n_u"] | None = None,
     ):
-        """Derivatives of the outputs by positions and velocities; of late ones also by accelerations and inputs."""
+        """Return derivatives of outputs by positions and velocities; for late outputs also by `z` and inputs."""
 
         def early(position: Float[Array, "n"], velocity: Float[Array, "n"]):
             return jnp.array(self._early(t, own._replace(u=position, w=velocity)), float)
 
-        # In reverse, since outputs are few.
+        # Reverse mode, since there are few outputs.
         by_u, by_w = jax.jacrev(early, (0, 1))(own.u, own.w)
         by_z = by_input = None
         if self.places.late:
@@ -386,7 +386,7 @@ class ControlledForm(Record):
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t: Float[Array, ""], state: MotionState):
-        """Held deformations minus their wanted values."""
+        """Return constrained deformations minus their prescribed values."""
         return self.form.gap(t, self._split(state)[0])
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
@@ -395,7 +395,7 @@ class ControlledForm(Record):
         return self.form.rate_of_memory(t, own, own_z)
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """State with the mechanism brought back onto its constraints; the controller stays."""
+        """Return the state with the mechanism projected onto its constraints; the controller keeps its state."""
         n = self.form.size
         own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
         return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)

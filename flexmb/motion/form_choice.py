@@ -1,4 +1,4 @@
-"""Choice of the form in which equations of motion are integrated, and checks of a form that a user chose."""
+"""Choice of the form of the equations of motion, and checks of a form that a user chose."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ NET = 400
 
 
 def check_form(integrator: Integrator, controlled: bool) -> None:
-    """Raise ValueError for an unknown form, or one that other arguments exclude."""
+    """Raise ValueError for an unknown form, or a form that other arguments exclude."""
     form = integrator.form
     if form is not None:
         check_choice("form", form, FORMS)
@@ -49,7 +49,7 @@ def check_form(integrator: Integrator, controlled: bool) -> None:
 
 
 def _is_explicit(solver: Any) -> bool:
-    """Whether a solver is an explicit Runge-Kutta method, without loading diffrax by default."""
+    """Return whether a solver is an explicit Runge-Kutta method; load diffrax only for a given solver."""
     if solver is None:
         return False
     import diffrax
@@ -60,10 +60,10 @@ def _is_explicit(solver: Any) -> bool:
 def chosen_form(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
 ) -> tuple[str, SparseOrder | None, Tree | None]:
-    """Form, the order of the unknowns for "chain", and the beams with computed last ends for "tree".
+    """Return the form, the order of the unknowns for "chain", and the beams with computed last ends for "tree".
 
     Args:
-        numbers: Other values that may be traced.
+        numbers: Other values that JAX may trace.
 
     Raises:
         ModelError: The form that the user chose does not apply.
@@ -89,7 +89,7 @@ def chosen_form(
 def _order(
     integrator: Integrator, model: Model, driven: tuple[Driven, ...], controlled: bool, jumps: Any, numbers: Any
 ) -> SparseOrder | None:
-    """Order of the unknowns of a chain or a net; None if another form is chosen."""
+    """Return the order of the unknowns of a chain or a net; None if another form applies."""
     asked, top = integrator.form == "chain", model.topology
     why = obstacle(top, driven)
     if why is None and not is_concrete(top):

@@ -54,7 +54,7 @@ class Tangent(NamedTuple):
 
     @property
     def mass(self) -> Float[Array, "n n"]:
-        """Mass matrix of the coordinates that move."""
+        """Mass matrix of the free coordinates."""
         n = self.by_u.shape[1]
         return self.by_z[:n, :n]
 
@@ -108,11 +108,11 @@ class Equations(Protocol):
         ...
 
     def regular(self, by_z: Float[Array, "r r"]) -> Bool[Array, ""]:
-        """Whether every motion that the constraints allow carries mass, from the derivative of R by z."""
+        """Return whether every motion that the constraints allow has mass, from the derivative of R by z."""
         ...
 
     def acceleration(self, t: Float[Array, ""], state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
-        """The z at which R vanishes, and whether every motion that the constraints allow carries mass."""
+        """Return the z with R = 0, and whether every motion that the constraints allow has mass."""
         ...
 
     def gap(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "m"]:
@@ -124,12 +124,12 @@ class Equations(Protocol):
         ...
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """State brought back onto the constraints by the least change in a mass, with its memory updated."""
+        """Return the state projected onto the constraints in a mass norm, with updated memory."""
         ...
 
 
 class EnergyEquations(Equations, Protocol):
-    """Equations with forces over a finite step, whose work is the energy that the elements gain."""
+    """Equations with mean forces over a finite step. The work of these forces equals the change of energy."""
 
     def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
         """Rates of the inertia vectors s(x), of each block of elements."""
@@ -142,14 +142,14 @@ class EnergyEquations(Equations, Protocol):
         rates: InertiaRates,
         multipliers: Float[Array, "m"],
     ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end.
+        """Return mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end.
 
-        `rates` are those at the begin, `multipliers` the mean ones; velocities of the states are not used.
+        `rates` are the rates at the begin, `multipliers` are means over the step. Velocities of the states are unused.
         """
         ...
 
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Allowed velocities closest to given rates of the inertia vectors s(x)."""
+        """Return the velocities within the constraints closest to given rates of the inertia vectors s(x)."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""Beams with computed last ends, in motion: functions of their coefficients alone are evaluated once."""
+"""Motion of beams with computed last ends. Functions of the coefficients alone are evaluated once."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -24,8 +24,8 @@ class Bent(NamedTuple):
     """Functions of the coefficients of a beam.
 
     Attributes:
-        way: Way from the first end to the last, and turn, as far as needed.
-        shape: Input of the inertia vectors, together with the first end.
+        way: Displacement from the first to the last end, and rotation; only the needed parts.
+        shape: Inputs of the inertia vectors, beside the first end.
     """
 
     way: tuple[Float[Array, "*beams k"], ...]
@@ -33,7 +33,7 @@ class Bent(NamedTuple):
 
 
 class Moved(NamedTuple):
-    """Places of inertia of beams, their rates, and second rates minus free fall."""
+    """Inertia vectors of beams, their rates, and second rates minus free-fall acceleration."""
 
     s: Float[Array, "*beams k axes"]
     sd: Float[Array, "*beams k axes"]
@@ -41,18 +41,18 @@ class Moved(NamedTuple):
 
 
 class TreeBeams(Record):
-    """Beams of one block whose last end follows from the first and from their coefficients, prepared for motion.
+    """Beams of one block, prepared for motion. The last end follows from the first end and the coefficients.
 
     Attributes:
         bent: ``(c_el, *kept_el)`` to :class:`Bent` of one beam, with all parts of its way.
-        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``: its inertia vectors, or None.
+        placed: ``(ends_el, *kept_el, *shape_el) -> s_el``: inertia vectors of one beam; None without mass.
         ends: Index of the coordinates of the first ends.
         c: Index of the coefficients.
-        e: Index of the deformations that equal the coefficients; none if another block has them.
+        e: Index of the deformations that equal the coefficients; empty if they belong to another block.
         kept: Constants of each beam, for both functions.
         mass: H of each beam.
         gives: Whether the beams compute last ends; a separate block may have the mass.
-        parts: Needed parts of a way: 0, 1 (way), or 2 (way and turn).
+        parts: Needed parts of a way: 0 (none), 1 (displacement), or 2 (displacement and rotation).
     """
 
     bent: Callable[..., Bent] = static()
@@ -71,20 +71,20 @@ class TreeBeams(Record):
         return jnp.concatenate([self.ends, self.c], axis=1)
 
     def ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
-        """Way and turn of each beam, side by side."""
+        """Return displacement and rotation of each beam in one row."""
         return jax.vmap(lambda c, kept: jnp.concatenate(self.bent(c, *kept).way))(x[self.c], self.kept)
 
     def felt_ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams k"]:
-        """Needed parts of :meth:`ways`."""
+        """Return the needed parts of :meth:`ways`."""
         return jnp.concatenate(jax.vmap(lambda c, kept: self._felt(kept)(c).way)(x[self.c], self.kept), axis=1)
 
     def rates(self, at: AllCoordinates) -> tuple[Bent, Bent, Bent]:
-        """Functions of the coefficients, rates and second rates."""
+        """Return the functions of the coefficients, their rates and second rates."""
         rates = jax.vmap(lambda kept, *motion: rates_along(self._felt(kept), *motion))(self.kept, *self._motion(at))
         return _bent_of(rates)
 
     def derived(self, at: AllCoordinates) -> tuple[tuple[Bent, Bent, Bent], tuple[Bent, Bent, Bent]]:
-        """:meth:`rates`, and their derivatives by the coefficients, coefficients last."""
+        """Return :meth:`rates` and their derivatives by the coefficients, which are the last axis."""
         pair = jax.vmap(lambda kept, *motion: derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
         return _bent_of(pair[0]), _bent_of(pair[1])
 
@@ -92,7 +92,7 @@ class TreeBeams(Record):
         return [array[self.c] for array in (at.x, at.v, at.a)]
 
     def _felt(self, kept: tuple[Array, ...]):
-        """Needed functions of the coefficients of one beam."""
+        """Return the needed functions of the coefficients of one beam."""
 
         def needed(c: Float[Array, "c"]) -> Bent:
             bent = self.bent(c, *kept)
@@ -101,14 +101,14 @@ class TreeBeams(Record):
         return needed
 
     def moved(self, at: AllCoordinates, falling: Float[Array, "n_x"] | None, bent: tuple[Bent, ...]) -> Moved:
-        """Places of inertia and their rates; `bent` from :meth:`rates`."""
+        """Return inertia vectors and their rates; `bent` comes from :meth:`rates`."""
         return jax.vmap(self._moved)(self.kept, *self._ends(at, falling), *(part.shape for part in bent))
 
     def _ends(self, at: AllCoordinates, falling: Float[Array, "n_x"] | None) -> list[Any]:
         return [None if array is None else array[self.ends] for array in (falling, at.x, at.v, at.a)]
 
     def _moved(self, kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any) -> Moved:
-        """Places of one beam, from motions of its first end and its shape."""
+        """Return the inertia vectors of one beam from the motion of its first end and its shape."""
         placed: Any = self.placed
 
         def places(at: tuple[Array, tuple[Array, ...]]):
@@ -123,7 +123,7 @@ class TreeBeams(Record):
     def moved_and_derived(
         self, at: AllCoordinates, falling: Float[Array, "n_x"] | None, bent: tuple[Bent, ...], slopes: tuple[Bent, ...]
     ) -> tuple[Moved, Moved]:
-        """:meth:`moved`, and its derivatives by the beams' coordinates, which are last."""
+        """Return :meth:`moved` and its derivatives by the beams' coordinates, which are the last axis."""
 
         def of_beam(kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any):
             ends, shapes, by_coefficients = along[:3], along[3:6], along[6:]
@@ -141,7 +141,7 @@ class TreeBeams(Record):
     def pulled(
         self, x: Float[Array, "n_x"], bent: Bent, weights: Float[Array, "beams k axes"] | None
     ) -> tuple[Float[Array, "beams ends"], tuple[Array, ...]]:
-        """Forces on the first ends and on the shape, from forces on the inertia vectors."""
+        """Return forces on the first ends and on the shape from forces on the inertia vectors."""
         if weights is None:
             return jnp.zeros(self.ends.shape), ()
         placed: Any = self.placed
@@ -152,7 +152,7 @@ class TreeBeams(Record):
         return jax.vmap(of_beam)(self.kept, x[self.ends], bent.shape, weights)
 
     def pulled_along(self, x: Float[Array, "n_x"], force: Bent) -> Float[Array, "beams coefficients"]:
-        """Forces on the coefficients, from forces on their functions."""
+        """Return forces on the coefficients from forces on their functions."""
 
         def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], force: Bent):
             return jax.vjp(self._felt(kept), c)[1](force)[0]
@@ -165,7 +165,7 @@ class TreeBeams(Record):
         return multiplied(mass, moved.sdd)
 
     def mass_along(self, x: Float[Array, "n_x"], along: Float[Array, "n_x n"]) -> Float[Array, "n n"]:
-        """Mass matrix of the beams, from the derivative `along` of the coordinates by what moves."""
+        """Return the mass matrix of the beams; `along` is the derivative of the coordinates by the free coordinates."""
         inner_first = jnp.concatenate([self.c, self.ends], axis=1)
 
         def derived(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"]):
@@ -177,7 +177,7 @@ class TreeBeams(Record):
         return jnp.einsum("bkan,bkl,blam->nm", by_moving, self.mass, by_moving)
 
     def _stages(self, kept: tuple[Array, ...], c: Float[Array, "c"]):
-        """Way and shape of one beam from its coefficients, in one array; way and places from its first end and this."""
+        """Return the stages of one beam: coefficients to one array, first end and array to way and inertia vectors."""
         bend, placed = self._felt(kept), self.placed
         whole = ravel_pytree(bend(c))[1]
 
@@ -219,7 +219,7 @@ class TreeBeams(Record):
     def _derived_forces(
         self, x: Float[Array, "n_x"], weights: Float[Array, "beams k axes"] | None, way: tuple[Array, ...]
     ) -> Float[Array, "beams k k"]:
-        """Derivatives of the effect of constant forces on places, ways and turns, by the beams' coordinates."""
+        """Return derivatives by the beams' coordinates of their generalised forces from constant forces."""
 
         def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"], *forces: Any):
             bend, closed = self._stages(kept, c)
