@@ -1,18 +1,17 @@
 """A design study from a TOML file: model, parameters, answers, and options of sweep and tune."""
 
-import contextlib
 import dataclasses
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from ..errors import ModelError, SpacarError, StudyError, first_line
+from ..errors import ModelError, SpacarError, StudyError
 from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import build_once, flat_function, layout_of
-from .study_parts import UNTRACEABLE, RaisedError
+from .study_parts import UNTRACEABLE, RaisedError, naming
 from .sweep import sweep
 from .swept import ROWS, Sweep
 from .tune import tune
@@ -54,12 +53,9 @@ class Study:
         """Run :func:`flexmb.tune`; a StudyError names the file."""
         wanted: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
-        with self._named():
-            try:
-                bounds = {} if self.choices and not self.bounds else self._bounded()
-                return tune(self.build, self.answers, self.values, bounds, scales=scales, **wanted)
-            except UNTRACEABLE as fault:
-                raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
+        with naming(f"{self.name}: ", UNTRACED):
+            bounds = {} if self.choices and not self.bounds else self._bounded()
+            return tune(self.build, self.answers, self.values, bounds, scales=scales, **wanted)
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""
@@ -67,7 +63,7 @@ class Study:
             raise StudyError(
                 f"{self.name}: [choices]: a sweep has none. Give one value of each as a parameter, or tune."
             )
-        with self._named():
+        with naming(f"{self.name}: "):
             designs = self.designs()
             if "chunk" in self.plan:
                 options = {"chunk": self.plan["chunk"], **options}
@@ -95,7 +91,7 @@ class Study:
     def designs(self) -> Designs:
         """Return the designs of [sweep], evenly spaced in the logarithm of parameters with scale "log"."""
         plan, bounds = self.plan, self._bounded()
-        with self._named("[sweep]"):
+        with naming(f"{self.name}: [sweep] "):
             if plan.get("kind", "grid") == "grid":
                 points = plan.get("points", 11)
                 counts = {n: points[n] if isinstance(points, dict) else points for n in bounds}
@@ -114,16 +110,6 @@ class Study:
         if not self.bounds:
             raise StudyError(f"{self.name}: [parameters]: give at least one lower and upper.")
         return self.bounds
-
-    @contextlib.contextmanager
-    def _named(self, key: str = "") -> Iterator[None]:
-        """Put the name of the file before messages."""
-        try:
-            yield
-        except (StudyError, SpacarError, ModelError):
-            raise
-        except ValueError as fault:
-            raise StudyError(f"{self.name}: {key + ' ' if key else ''}{first_line(fault)}") from fault
 
 
 UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced by JAX"

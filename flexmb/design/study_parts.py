@@ -1,11 +1,12 @@
 """The parts of a study: models from files and functions, and answers."""
 
+import contextlib
 import dataclasses
 import hashlib
 import importlib
 import importlib.util
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -26,6 +27,28 @@ UNTRACEABLE = (UntraceableError, jax.errors.JAXTypeError, jax.errors.JAXIndexErr
 
 class RaisedError(StudyError):
     """A user's function raised."""
+
+
+def message_of(fault: BaseException) -> str:
+    """Return the first line of an error's message, without the quotes of a KeyError."""
+    if isinstance(fault, KeyError) and fault.args:
+        fault = ValueError(fault.args[0])
+    return first_line(fault)
+
+
+@contextlib.contextmanager
+def naming(start: str, untraced: str = "") -> Iterator[None]:
+    """Put a study's file before messages on its arguments; ``untraced`` explains errors of tracing."""
+    try:
+        yield
+    except (StudyError, SpacarError, ModelError, AnalysisError):
+        raise
+    except UNTRACEABLE as fault:
+        if not untraced:
+            raise
+        raise StudyError(f"{start}{untraced}: {first_line(fault)}") from fault
+    except (ValueError, KeyError) as fault:
+        raise StudyError(f"{start}{message_of(fault)}") from fault
 
 
 class _Noted(dict):
@@ -175,5 +198,4 @@ class NamedAnswer:
         except (StudyError, AnalysisError, *UNTRACEABLE):
             raise
         except (ValueError, KeyError, TypeError) as fault:
-            text = str(fault.args[0] if isinstance(fault, KeyError) and fault.args else fault)
-            raise StudyError(f"{self.about}: {name}: {clean((text.splitlines() or [''])[0])}") from fault
+            raise StudyError(f"{self.about}: {name}: {clean(message_of(fault))}") from fault

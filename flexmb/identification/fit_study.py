@@ -4,15 +4,15 @@ import contextlib
 import dataclasses
 import inspect
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..design.study_file import StudyReader
-from ..design.study_parts import UNTRACEABLE, function_of
-from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
+from ..design.study_parts import function_of, naming
+from ..errors import StudyError, clean
 from ..spacar.read import read_spacar
 from .fit import fit
 from .fitted import Fit
@@ -57,21 +57,9 @@ class FitStudy:
 
     def fit(self, *, throw: bool = False) -> Fit:
         """Run :func:`flexmb.fit`; a StudyError names the file."""
-        with self._named():
+        with naming(f"{self.name}: ", UNTRACED):
             options = {"scales": self.scales, "priors": self.priors, **self.options}
             return fit(self.build, self.data, self.values, self.bounds, throw=throw, **options)
-
-    @contextlib.contextmanager
-    def _named(self) -> Iterator[None]:
-        try:
-            yield
-        except (StudyError, SpacarError, ModelError, AnalysisError):
-            raise
-        except UNTRACEABLE as fault:
-            raise StudyError(f"{self.name}: {UNTRACED}: {first_line(fault)}") from fault
-        except (ValueError, KeyError) as fault:
-            text = str(fault.args[0]) if isinstance(fault, KeyError) and fault.args else first_line(fault)
-            raise StudyError(f"{self.name}: {text}") from fault
 
 
 def read_fit_study(path: str | os.PathLike) -> FitStudy:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..control.frequency_response import FrequencyResponse
 from ..control.universal_file import ENDINGS
-from ..design.study_parts import Called, NamedAnswer, function_of
+from ..design.study_parts import Called, NamedAnswer, function_of, message_of
 from ..design.study_values import (
     Kind,
     as_flag,
@@ -132,8 +132,7 @@ def _named(key: str) -> Iterator[None]:
     except StudyError:
         raise
     except (ValueError, TypeError, KeyError) as fault:
-        text = str(fault.args[0]) if isinstance(fault, KeyError) and fault.args else first_line(fault)
-        raise StudyError(f"{key}: {clean(text)}") from fault
+        raise StudyError(f"{key}: {clean(message_of(fault))}") from fault
 
 
 def _needed(key: str, entry: Mapping[str, Any], name: str) -> Any:
