@@ -6,7 +6,7 @@ import functools
 import jax
 import numpy as np
 import pytest
-from cases.mechanisms import planar_guide
+from cases.mechanisms import cart_on_rod, planar_guide
 
 import flexmb as fm
 from flexmb import paths, planar, spatial
@@ -20,15 +20,7 @@ def guide():
 
 
 def cart(stiffness=100.0, mass=4.0):
-    b = fm.Builder()
-    b.node("wall", (0, 0))
-    b.node("cart", (1, 0))
-    b.add(planar.truss, "wall", "cart", name="rod", section=fm.Rigidity(EA=stiffness))
-    b.fix("wall")
-    b.fix("cart", "y")
-    b.mass("cart", mass)
-    b.force("cart", (1.0, 0))
-    b.dof("cart", "x")
+    b = cart_on_rod(stiffness, mass)
     b.start("cart", "x", 0.02)
     return b.build()
 

@@ -36,6 +36,19 @@ def cantilever(heights, law):
     return b.build()
 
 
+def two_carts(first, second):
+    """Two carts of 1 kg, each on a rod of its own stiffness."""
+    b = fm.Builder()
+    for i, stiffness in enumerate((first, second)):
+        b.node(f"wall {i}", (0, i))
+        b.node(f"cart {i}", (0.1, i))
+        b.add(planar.truss, f"wall {i}", f"cart {i}", section=fm.Rigidity(EA=0.1 * stiffness))
+        b.fix(f"wall {i}")
+        b.fix(f"cart {i}", "y")
+        b.mass(f"cart {i}", 1.0)
+    return b.build()
+
+
 def mean(values):
     return jnp.mean(jnp.asarray(values))
 

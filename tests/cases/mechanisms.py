@@ -5,6 +5,8 @@ those of the reference problems. Data: two leaf springs 0.1 x 0.018 x 0.0005 m o
 0.2 kg on top, a voice coil of 0.006 kg on its right end.
 """
 
+from typing import Any
+
 import numpy as np
 
 import flexmb as fm
@@ -20,6 +22,21 @@ def steel() -> fm.Material:
 
 def leaf(thickness=THICKNESS, width=WIDTH, rotary=False) -> fm.Rectangle:
     return fm.Rectangle(width, thickness, steel(), rotary=rotary)
+
+
+def cart_on_rod(stiffness: Any, mass: Any, load: Any = 1.0, parts: int = 1) -> fm.Builder:
+    """A cart that moves along x on a rod of length 1 of this stiffness, in so many parallel parts, under a load."""
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("cart", (1, 0))
+    for i in range(parts):
+        b.add(planar.truss, "wall", "cart", name=f"rod {i}" if i else "rod", section=fm.Rigidity(EA=stiffness / parts))
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.mass("cart", mass)
+    b.force("cart", (load, 0))
+    b.dof("cart", "x")
+    return b
 
 
 def truss_guide(dof: str = "x", damped: bool = True) -> fm.Builder:

@@ -6,6 +6,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from cases import design_cases
 from scipy.stats import norm, triang, uniform
 
 import flexmb as fm
@@ -130,26 +131,14 @@ def test_tolerances_of_correlated_parameters():
     assert found.sampled_deviations[0] == pytest.approx(np.sqrt(variance), rel=3 / np.sqrt(8000))
 
 
-def two_carts(first, second):
-    b = fm.Builder()
-    for i, stiffness in enumerate((first, second)):
-        b.node(f"wall {i}", (0, i))
-        b.node(f"cart {i}", (0.1, i))
-        b.add(planar.truss, f"wall {i}", f"cart {i}", section=fm.Rigidity(EA=0.1 * stiffness))
-        b.fix(f"wall {i}")
-        b.fix(f"cart {i}", "y")
-        b.mass(f"cart {i}", 1.0)
-    return b.build()
-
-
 @pytest.mark.slow
 def test_frequencies_that_cross_are_warned_of_and_counted():
     """The smaller of two alike normal numbers has its 5th percentile where (1 - Phi)^2 = 0.95."""
     near, scatter = {"first": 1000.0, "second": 1000.1}, fm.scatter({"first": 10.0, "second": ("uniform", 17.32)})
     with pytest.warns(fm.FlexmbWarning, match="two frequencies nearly coincide"):
-        fm.design.tolerances(two_carts, "frequency 1", near, scatter)
+        fm.design.tolerances(design_cases.two_carts, "frequency 1", near, scatter)
     alike = fm.scatter({"first": 10.0, "second": 10.0})
-    found = fm.design.robustness(two_carts, "frequency 1", near, alike, samples=4000)
+    found = fm.design.robustness(design_cases.two_carts, "frequency 1", near, alike, samples=4000)
     stiffness = (2 * np.pi * found.percentile("frequency 1", 5).value) ** 2
     assert stiffness == pytest.approx(1000 - 10 * norm.ppf(np.sqrt(0.95)), abs=1.0)
 

@@ -188,18 +188,6 @@ def test_tolerances_by_the_law_of_propagation_and_by_samples():
         fm.design.tolerances(design_cases.unloaded_guide, answers, point, {"length": 1e-3})
 
 
-def two_carts(first, second):
-    b = fm.Builder()
-    for i, stiffness in enumerate((first, second)):
-        b.node(f"wall {i}", (0, i))
-        b.node(f"cart {i}", (0.1, i))
-        b.add(planar.truss, f"wall {i}", f"cart {i}", section=fm.Rigidity(EA=0.1 * stiffness))
-        b.fix(f"wall {i}")
-        b.fix(f"cart {i}", "y")
-        b.mass(f"cart {i}", 1.0)
-    return b.build()
-
-
 @pytest.mark.slow
 def test_scatter_where_two_frequencies_nearly_coincide_is_not_linear():
     """The lowest of two: the mean of the smaller of two normal numbers is sigma/sqrt(pi) below theirs."""
@@ -209,10 +197,10 @@ def test_scatter_where_two_frequencies_nearly_coincide_is_not_linear():
         return fm.frequencies(model)[0]
 
     with pytest.warns(fm.FlexmbWarning, match=r"'lowest' .* two frequencies nearly coincide.* samples=1000"):
-        found = fm.design.tolerances(two_carts, lowest, near, spread, samples=1000)
+        found = fm.design.tolerances(design_cases.two_carts, lowest, near, spread, samples=1000)
     # sqrt(k)/(2 pi) has a slope of sqrt(k)/(4 pi k).
     sigma = np.sqrt(1000.0) / (4 * np.pi * 1000.0) * 10.0
     assert found.deviations[0] == approx(sigma, rel=1e-4)
     # Of the mean of 1000 samples, three deviations: 3/sqrt(1000) = 0.1.
     assert (found.sampled_mean[0] - found.values[0]) / sigma == approx(-1 / np.sqrt(np.pi), abs=0.1)
-    fm.design.tolerances(two_carts, lowest, {"first": 1000.0, "second": 1300.0}, spread)
+    fm.design.tolerances(design_cases.two_carts, lowest, {"first": 1000.0, "second": 1300.0}, spread)

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
+from cases.mechanisms import cart_on_rod
 from scipy.stats import chi2, norm
 
 import flexmb as fm
-from flexmb import planar
 from flexmb.mechanisms import mechanism_path
 
 
 def cart(stiffness, mass=4.0, parts=1):
-    b = fm.Builder()
-    b.node("wall", (0, 0))
-    b.node("cart", (1, 0))
-    for i in range(parts):
-        b.add(planar.truss, "wall", "cart", name=f"rod {i}", section=fm.Rigidity(EA=stiffness / parts))
-    b.fix("wall")
-    b.fix("cart", "y")
-    b.mass("cart", mass)
-    b.force("cart", (1.0, 0))
-    b.dof("cart", "x")
-    return b.build()
+    return cart_on_rod(stiffness, mass, parts=parts).build()
 
 
 def test_the_distance_of_two_models_in_deviations():

@@ -6,6 +6,7 @@ import warnings
 import jax
 import numpy as np
 import pytest
+from cases.mechanisms import cart_on_rod
 from scipy.stats import chi2
 
 import flexmb as fm
@@ -18,17 +19,9 @@ GUESS = {"stiffness": 70.0, "mass": 5.0}
 
 
 def cart(stiffness=STIFFNESS, mass=MASS):
-    b = fm.Builder()
-    b.node("wall", (0, 0))
-    b.node("cart", (1, 0))
-    b.add(planar.truss, "wall", "cart", name="rod", section=fm.Rigidity(EA=stiffness))
-    b.fix("wall")
-    b.fix("cart", "y")
-    b.mass("cart", mass)
-    b.force("cart", (LOAD, 0))
+    b = cart_on_rod(stiffness, mass, LOAD)
     b.input("cart", "x")
     b.output("cart", "x")
-    b.dof("cart", "x")
     return b.build()
 
 

@@ -4,25 +4,16 @@ import warnings
 
 import numpy as np
 import pytest
+from cases.mechanisms import cart_on_rod
 
 import flexmb as fm
-from flexmb import planar
 
 STIFFNESS, MASS = 100.0, 4.0
 BOUNDS = {"stiffness": (50.0, 200.0), "mass": (1.0, 16.0)}
 
 
 def cart(stiffness=STIFFNESS, mass=MASS):
-    b = fm.Builder()
-    b.node("wall", (0, 0))
-    b.node("cart", (1, 0))
-    b.add(planar.truss, "wall", "cart", name="rod", section=fm.Rigidity(EA=stiffness))
-    b.fix("wall")
-    b.fix("cart", "y")
-    b.mass("cart", mass)
-    b.force("cart", (1.0, 0))
-    b.dof("cart", "x")
-    return b.build()
+    return cart_on_rod(stiffness, mass).build()
 
 
 def moments(density, stiffness, mass):
