@@ -163,7 +163,8 @@ def _reach_in_line(
             beyond = beyond + span_of(builder, leaves[following[0]])
             at = ends[following[0], 1 - near]
         sides = _sides(builder, leaves[name], number) or []
-        too_far = is_concrete((beyond, sides)) and bool(beyond >= REACH * max(map(np.max, sides)))
+        known = is_concrete((beyond, sides))
+        too_far = known and bool(beyond >= REACH * max(np.asarray(side).max() for side in sides))
         if at is not end and not too_far and kept[at.leaf, at.number]:
             found[name, number] = beyond
     for name in leaves if found else ():

@@ -143,7 +143,8 @@ def test_answers_of_the_command_line(tmp_path):
     # Bending at the foot: of the soft axis and of the stiff one, and tension; the tip is drawn down a little.
     soft, stiff = 0.018 * 0.5e-3**2 / 6, 0.5e-3 * 0.018**2 / 6
     expected = 0.1 * 0.1 / soft + 0.3 * 0.1 / stiff + 0.2 / 9e-6
-    assert data["stress"]["maximum"] == approx(expected, rel=0.03)
+    # At a clamp, which shares the moment unevenly over the width: within 5 % of solid elements.
+    assert data["stress"]["maximum"] == approx(expected, rel=0.05)
     assert (data["stress"]["element"], data["stress"]["place"]) == (1, 0.0)
     states = run(tmp_path, CHAIN, 9)
     assert states["outputs"] == ["position 5.3", "deformation 2.8"]
