@@ -187,7 +187,8 @@ def _of_roots(what: str, value: Any, count: int) -> tuple[Any, Any] | None:
     if len(ends) != 2 or any(one is not None and np.ndim(one) != 1 for one in ends):
         check_numbers(what, value, fault=ModelError)
         flat = (stack(ends) if ends else stack([value])[0]).reshape(-1)
-        if flat.size not in (count, 2 * count):
+        # An array of twice as many may be six stiffnesses in space, of which a leaf spring in the plane takes three.
+        if flat.size != count and (flat.size != 2 * count or (not ends and np.ndim(value) == 1)):
             raise ModelError(
                 f"{what} must be the {count} stiffnesses of a root, or those of the first end and of the last, None for"
                 f" a rigid end, not {shown(value)}."

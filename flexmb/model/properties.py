@@ -9,9 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import check_numbers, is_concrete, nan_if_refused, shown
+from ..elements.sections import Rectangle
 from ..errors import ModelError
 from .parameters import Parameters
 from .topology import Topology
+
+# Sizes of a rectangle, whose changes along leaf springs in line are steps.
+SIZES = ("width", "thickness")
 
 
 class _Stack(NamedTuple):
@@ -43,6 +47,11 @@ def with_property(
     if len(place) < len(wanted):
         raise ModelError("Argument `elements` names an element twice.")
     numbers = _numbers(path, values, len(wanted))
+    if len(keys) == 2 and keys[0] == "section" and keys[1] in SIZES:
+        # What is traced equals nothing, unless it is one number for all.
+        known = numbers if is_concrete(numbers) else np.full(len(wanted), np.nan)
+        given = [values] * len(wanted) if np.ndim(values) == 0 else known
+        _check_steps(topology, parameters, labels, keys[1], dict(zip(wanted, given, strict=True)))
     properties: list[dict[str, Any]] = list(parameters.properties)
     for block, kind, names, own in stacks:
         rows = [row for row, name in enumerate(names) if name in place]
@@ -61,6 +70,43 @@ def with_property(
             kinds = properties[block]["section"]
             properties[block] = {**properties[block], "section": (*kinds[:kind], section, *kinds[kind + 1 :])}
     return dataclasses.replace(parameters, properties=tuple(properties))
+
+
+def _check_steps(topology: Topology, parameters: Parameters, labels: Any, size: str, numbers: dict[str, Any]) -> None:
+    """Refuse sizes that make or change a step between two leaf springs in line, which only a build can find."""
+    rotations = {entry.of for entry in labels.x if entry.kind == "rotation"}
+    ends_of = {name: [node for node in nodes if node in rotations] for name, _, nodes in labels.elements}
+    meeting: dict[str, dict[str, tuple[bool, bool, Any]]] = {}
+    for stack in _stacks(topology, parameters, labels):
+        if not topology.blocks[stack.block].element.fields or "clamped" not in stack.properties:
+            continue
+        clamped, section = stack.properties["clamped"], stack.properties["section"]
+        for row, name in enumerate(stack.names):
+            own = [getattr(section, key)[row] for key in SIZES] if isinstance(section, Rectangle) else [None, None]
+            number = numbers.get(name, own[SIZES.index(size)])
+            for end, node in enumerate(ends_of[name]):
+                goes_on = stepped = True
+                if is_concrete((clamped, own)):
+                    goes_on, stepped = _goes_on(np.asarray(clamped[row]), end, own)
+                meeting.setdefault(node, {})[name] = goes_on, stepped, number
+    for ends in meeting.values():
+        if len(ends) != 2 or not numbers.keys() & ends.keys() or not all(goes_on for goes_on, *_ in ends.values()):
+            continue
+        one, other = (number for *_, number in ends.values())
+        alike = one is other or (None not in (one, other) and is_concrete((one, other)) and float(one) == float(other))
+        if not alike or any(stepped for _, stepped, _ in ends.values()):
+            raise ModelError(
+                f"Leaf springs {' and '.join(map(repr, ends))} go on in line. A build finds the step between their"
+                f" sizes: build the model again with these numbers for 'section.{size}'."
+            )
+
+
+def _goes_on(clamped: np.ndarray, end: int, own: list[Any]) -> tuple[bool, bool]:
+    """Whether an end of a leaf spring goes on in line, as far as known, and whether there is a step."""
+    if clamped.ndim == 1:
+        return bool(clamped[end] == 0), False
+    stepped = len(clamped) > 2 and any(one != size for one, size in zip(clamped[2:, end], own, strict=True))
+    return bool(stepped or clamped[0, end] == 0 or clamped[1, end] > 0), stepped
 
 
 def _numbers(path: str, values: Any, count: int) -> Any:
