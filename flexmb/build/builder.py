@@ -39,7 +39,7 @@ from .clamps import with_clamps
 from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete
-from .ends_in_line import warn_of_ends, with_steps
+from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
 from .plain_beams import warn_of_plain_beams
@@ -813,7 +813,7 @@ class Builder(Description):
             warn_of_curved_leaves(self)
         note_builder(self)
         before = next_carried()
-        described = with_steps(with_clamps(self, before), self)
+        described = nan_if_not_stiff(with_steps(with_clamps(self, before), self))
         if check:
             warn_of_ends(described)
         model = assemble(described)

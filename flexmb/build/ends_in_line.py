@@ -7,14 +7,14 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import is_concrete
+from ..arguments import holds, is_concrete, nan_if_refused
 from ..elements.leaf import flags_and_distances, leaf_of
 from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import THICK, End, axes_of, ends_of_leaf, is_clamped, is_fold, kept_known, span_of
+from .clamps import FOLD, THICK, End, axes_of, ends_of_leaf, is_clamped, is_fold, kept_known, span_of
 from .description import Description, Member
 
 # Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
@@ -48,11 +48,11 @@ def with_steps(described: Description, builder: Description) -> Description:
         for end, other in (ends, ends[::-1]) if len(ends) == 2 else ():
             sizes = _beside(builder, end, other)
             if sizes is not None and not is_fold(builder, *ends) and _goes_on(described, builder, end, other):
-                found.setdefault(end.leaf, {})[end.number] = sizes
+                found.setdefault(end.leaf, {})[end.number] = _unless_fold(builder, sizes, end, other)
     for name, sizes in found.items():
         member = described.members[name]
         rows = [sizes.get(number) or _sizes(builder, leaves[name], number) for number in range(2)]
-        library: Any = np if is_concrete(rows) else jnp
+        library: Any = np if is_concrete((rows, member.properties["clamped"])) else jnp
         beside = library.stack([library.stack([library.asarray(row[i], float) for row in rows]) for i in range(2)])
         clamped = member.properties["clamped"]
         flags = clamped if clamped.ndim == 2 else np.stack([clamped, np.zeros(2)])
@@ -94,12 +94,12 @@ def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | Non
 
 
 def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
-    """Whether no part clamps an end, except a thick leaf spring in line."""
+    """Whether nothing clamps an end but a leaf spring in line that is thick."""
+    if (given := builder.members[end.leaf].properties["clamped"]) is not None:
+        return given[end.number] == 0
     flags, distances = flags_and_distances(described.members[end.leaf].properties["clamped"])
-    if flags[end.number] == 0 or distances[end.number] > 0:
+    if is_concrete((flags, distances)) and (flags[end.number] == 0 or distances[end.number] > 0):
         return True
-    if builder.members[end.leaf].properties["clamped"] is not None or not _are_known(builder, end, other):
-        return False
     rest = [name for name, member in builder.members.items() if end.rotation in member.nodes and name != other.leaf]
     return not is_clamped(builder, end, {end.rotation: rest}, (True, True)).flat
 
@@ -204,11 +204,17 @@ def _check_stiff(name: str, member: Member, length: float) -> None:
     own = member.properties
     leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
     order = member.element.options["order"]
-    with jax.ensure_compile_time_eval():
-        matrix = np.asarray(leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS))
+    matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
     strained = matrix[: len(FIELDS) * order, : len(FIELDS) * order]
-    scale = np.sqrt(np.abs(np.diag(strained)))
-    if np.linalg.eigvalsh(strained / np.outer(scale, scale))[0] < 0:
+    scale = jnp.sqrt(jnp.abs(jnp.diag(strained)))
+    return jnp.linalg.eigvalsh(strained / jnp.outer(scale, scale))[0]
+
+
+def _check_stiff(name: str, member: Member, length: float) -> None:
+    """Refuse skew cuts of which nothing would be left that is stiff."""
+    with jax.ensure_compile_time_eval():
+        least = float(_least(member, length))
+    if least < 0:
         raise ModelError(
             f"Element '{name}' is too short for its skew cuts: its ends are joined by too little of it to be stiff."
             " Make it longer, or use solid elements."

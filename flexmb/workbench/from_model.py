@@ -14,6 +14,7 @@ from ..build.assemble import UNIT_NORM
 from ..build.builder import Builder
 from ..build.clamps import parts_of, with_clamps
 from ..build.description import Key, Member, NamedSignal, Node
+from ..build.ends_in_line import with_steps
 from ..build.given import released_in
 from ..elements import planar, spatial
 from ..elements.leaf import flags_and_distances
@@ -140,7 +141,7 @@ class _Conversion:
         """Names of the leaf springs whose ends the calls would clamp otherwise than the model does."""
         leaves = {name: own for name, own in self.members.items() if "clamped" in own.properties}
         try:
-            found = with_clamps(self.builder, None)
+            found = with_steps(with_clamps(self.builder, None), self.builder)
         except ModelError:
             # What would decide is stated nowhere, or what is stated already does not suffice.
             return set(leaves)

@@ -246,6 +246,46 @@ def test_which_ends_have_a_step():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("middle", "height", "clamped"),
+    [((0.018, 2e-3), 0.0, None), ((0.009, 0.5e-3), 0.0, None), ((0.009, 0.5e-3), 0.02, False)],
+    ids=["thick", "narrow", "fold"],
+)
+def test_steps_where_lengths_are_traced_are_those_of_numbers(middle, height, clamped):
+    """A clamp reaches through the first leaf spring where that is short."""
+
+    def build(length):
+        b = fm.Builder()
+        for i, place in enumerate([(0.0, 0.0), (length, 0.0), (length + 0.03, 0.0), (length + 0.05, height)]):
+            b.node(f"n{i}", place)
+        for i, section in enumerate([LEAF, fm.Rectangle(*middle, STEEL), LEAF]):
+            b.add(planar.leaf_spring(order=3), f"n{i}", f"n{i + 1}", section=section, clamped=clamped)
+        b.fix("n0")
+        return b.build()
+
+    def answer(model):
+        return 1e3 * fm.compliance(model, "n3")[1, 1]
+
+    lengths = np.array([0.004, 0.02])
+    swept = fm.sweep(build, {"answer": answer}, {"length": lengths})
+    np.testing.assert_allclose(swept.answers["answer"], [answer(build(length)) for length in lengths], rtol=1e-9)
+
+
+@pytest.mark.parametrize("sizes", [(0.009, 0.5e-3), (0.018, 2e-3)])
+def test_other_sizes_of_a_step_need_a_build(sizes):
+    model = in_line([LEAF, fm.Rectangle(*sizes, STEEL)])
+    for path in ("section.width", "section.thickness"):
+        with pytest.raises(fm.ModelError, match=r"'part 0' and 'part 1' go on in line.*build the model again"):
+            model.with_property(path, 1e-3, ["part 0"])
+    alike = in_line([LEAF, LEAF])
+    with pytest.raises(fm.ModelError, match="go on in line"):
+        alike.with_property("section.width", 0.01, ["part 1"])
+    assert alike.with_property("section.width", 0.01).parameters.properties
+    # Beside a body sizes are apart.
+    in_line([LEAF, LEAF], lambda b: b.inertia("n1", 1e-9)).with_property("section.width", 0.01, ["part 1"])
+
+
+@pytest.mark.slow
 def test_planar_steps_add_their_compliance():
     """Tension of two strips in series, and what the step adds."""
     narrow = fm.Rectangle(0.009, 0.5e-3, STEEL)
@@ -382,6 +422,11 @@ def test_roots_are_fitted_to_frequencies():
     assert found.parameters["stiffness"] == approx(20.0, rel=1e-6)
 
 
+def test_six_stiffnesses_of_a_root_are_not_two_roots_in_the_plane():
+    with pytest.raises(fm.ModelError, match="must be the 3 stiffnesses of a root"):
+        on_bushing(None, root_stiffness(LEAF, STEEL, 0.01))
+
+
 # -- ranges and bad input ---------------------------------------------------------------------------------------------
 
 
@@ -395,6 +440,7 @@ def test_roots_are_fitted_to_frequencies():
         ({"clamp": ((1e6,) * 3, None)}, "must have shape"),
         ({"clamp": (-1e6,) * 6}, "must be positive"),
         ({"clamp": "soft"}, "must be numbers"),
+        ({"clamp": np.full(12, 1e6)}, "must be the 6 stiffnesses of a root"),
     ],
 )
 def test_bad_input_is_named(properties, message):
@@ -435,6 +481,17 @@ def test_a_leaf_spring_too_short_for_its_cuts_is_refused():
     b = skewed(0.02, 60)
     with pytest.raises(fm.ModelError, match="'leaf' is too short for its skew cuts"):
         b.build()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+def test_a_leaf_spring_too_short_for_its_cuts_has_no_answer_where_it_is_traced():
+    swept = fm.sweep(
+        lambda length: skewed(length, 60).build(),
+        {"answer": lambda model: fm.compliance(model, "tip")[2, 2]},
+        {"length": np.array([0.1, 0.02])},
+    )
+    assert np.isfinite(swept.answers["answer"]).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

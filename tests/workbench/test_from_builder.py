@@ -301,16 +301,17 @@ def test_angles_about_global_axes(what):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared"])
+@pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared", "step in thickness"])
 def test_clamps_of_a_model_are_found_again_or_stated(case):
     leaf = fm.Rectangle(0.05, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
     b = fm.Builder()
-    last = (0.2, 0, 0) if case == "statement that is shared" else (0.1, 0, 0.1)
+    last = (0.1, 0, 0.1) if case.startswith("fold") else (0.2, 0, 0)
+    other = fm.Rectangle(0.05, 2e-3, leaf.material) if case == "step in thickness" else leaf
     for name, place in {"A": (0, 0, 0), "B": (0.1, 0, 0), "C": last}.items():
         b.node(name, place)
-    stated = {"fold": None, "fold beside a statement": (True, False), "statement that is shared": (True, True)}[case]
+    stated = {"fold beside a statement": (True, False), "statement that is shared": (True, True)}.get(case)
     b.add(spatial.leaf_spring, "A", "B", name="one", section=leaf, y=(0, 1, 0), clamped=stated)
-    b.add(spatial.leaf_spring, "B", "C", name="two", section=leaf, y=(0, 1, 0))
+    b.add(spatial.leaf_spring, "B", "C", name="two", section=other, y=(0, 1, 0))
     b.fix("A")
     b.mass("C", 0.1)
     model = b.build()
