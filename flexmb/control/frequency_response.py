@@ -119,7 +119,9 @@ class FrequencyResponse(Labelled, Record):
 
     @staticmethod
     def load(path: str | os.PathLike) -> "FrequencyResponse":
-        """Frequency responses of a universal file (data sets 58), also measured ones.
+        """Frequency responses of a universal file (data sets 58) in SI units, also measured ones.
+
+        A file without a system of units (data set 164) is in SI units.
 
         Args:
             path: Of the file.

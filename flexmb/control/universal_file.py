@@ -81,13 +81,15 @@ def read(path: str | os.PathLike) -> Responses:
         warnings.simplefilter("ignore")
         try:
             file = pyuff.UFF(os.fspath(path))
-            wanted = [n for n, kind in enumerate(file.get_set_types()) if int(kind) == 58]
-            sets = [file.read_sets(n) for n in wanted]
+            kinds = [int(kind) for kind in file.get_set_types()]
+            sets, units = ([file.read_sets(n) for n, own in enumerate(kinds) if own == kind] for kind in (58, 164))
         except Exception as error:
             raise ValueError(f"'{clean(path)}' is no universal file that pyuff can read: {clean(error)}") from error
     sets = [one for one in sets if one["func_type"] == RESPONSE]
     if not sets:
         raise ValueError(f"'{clean(path)}' holds no frequency response (data set 58, function type {RESPONSE}).")
+    if len({(one["length"], one["force"]) for one in units}) > 1:
+        raise ValueError(f"'{clean(path)}' holds several systems of units (data set 164).")
     found, outputs, inputs = {}, {}, {}
     hertz = np.asarray(sets[0]["x"], float)
     for one in sets:
@@ -96,14 +98,37 @@ def read(path: str | os.PathLike) -> Responses:
             raise ValueError(f"The responses of '{clean(path)}' are given at different frequencies.")
         if (output, source) in found:
             raise ValueError(f"'{clean(path)}' holds the response of '{output}' to '{source}' twice.")
-        found[output, source] = np.asarray(one["data"], complex)
-        outputs.setdefault(output, _port(one, "rsp", "ordinate"))
-        inputs.setdefault(source, _port(one, "ref", "orddenom"))
+        factor = _to_si(path, one, units[0]) if units else None
+        found[output, source] = np.asarray(one["data"], complex) * (factor or 1.0)
+        ports = _port(one, "rsp", "ordinate"), _port(one, "ref", "orddenom")
+        if factor is not None:
+            # Labels of units are those of the file.
+            ports = tuple(port._replace(unit="") for port in ports)
+        outputs.setdefault(output, ports[0])
+        inputs.setdefault(source, ports[1])
     if len(found) < len(outputs) * len(inputs):
         missing = next((y, u) for y in outputs for u in inputs if (y, u) not in found)
         raise ValueError(f"'{clean(path)}' lacks the response of '{missing[0]}' to '{missing[1]}'.")
     response = np.stack([np.stack([found[y, u] for u in inputs], axis=-1) for y in outputs], axis=1)
     return Responses(hertz, response, tuple(outputs), tuple(inputs), tuple(outputs.values()), tuple(inputs.values()))
+
+
+def _to_si(path: Any, one: dict[str, Any], units: dict[str, Any]) -> float | None:
+    """Factor of a response in the units of a file, data set 164; None if they are SI units."""
+    length, force = float(units["length"]), float(units["force"])
+    if length == force == 1.0:
+        return None
+    sizes = []
+    for point, ordinate in (("rsp", "ordinate"), ("ref", "orddenom")):
+        turns = abs(int(one[f"{point}_dir"])) > 3
+        kind = one.get(f"{ordinate}_spec_data_type")
+        if kind in (TYPES["position"], TYPES["velocity"], TYPES["acceleration"]):
+            sizes.append(1.0 if turns else length)
+        elif kind in (TYPES["force"], TYPES["reaction"]):
+            sizes.append(force * length if turns else force)
+        else:
+            raise ValueError(f"'{clean(path)}' is not in SI units and does not say what its signals are.")
+    return sizes[1] / sizes[0]
 
 
 def _node_numbers(nodes: list[str]) -> dict[str, int]:

@@ -131,14 +131,16 @@ def compare(
         {item.name: np.asarray(predicted(item, model, parameters or {}), float) for item in items}
         for model in (model_a, model_b)
     ]
-    for answers in computed:
+    for answers, model in zip(computed, (model_a, model_b), strict=True):
         for item in items:
             if not np.all(np.isfinite(answers[item.name])):
                 raise ValueError(f"Measurement '{item.name}' has no finite value by one of the models.")
             if has_values:
                 check_unit(item, answers[item.name])
+            if item.check is not None:
+                item.check(model)
     first, second = computed
-    difference = {item.name: first[item.name] - second[item.name] for item in items}
+    difference = {item.name: _between(item, first[item.name], second[item.name]) for item in items}
     weighted = {item.name: in_deviations(item, difference[item.name]) for item in items}
     distance = float(np.sqrt(sum(np.sum(rows**2) for rows in weighted.values())))
     count = sum(len(rows) for rows in weighted.values())
@@ -162,6 +164,15 @@ def compare(
         (model_a.topology.n_q, model_b.topology.n_q),
         level,
     )
+
+
+def _between(item: Measured, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Difference of two answers; of phases within half a turn."""
+    found = first - second
+    if item.relative:
+        phases = found[len(found) // 2 :]
+        phases -= 2 * np.pi * np.round(phases / (2 * np.pi))
+    return found
 
 
 def _items(data: Any) -> tuple[list[Measured], bool]:

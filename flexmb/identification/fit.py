@@ -154,6 +154,11 @@ def _check_start(problem: FitProblem) -> None:
     """Raise for a start without answers, values with a wrong unit, and parameters without effect."""
     unit = problem.scaling.to_unit(problem.first)
     computed, slopes, code = problem.function(unit)
+    if code in GOOD and any(item.check is not None for item in problem.items):
+        model, _ = problem.build(**problem.layout.split(problem.first))
+        for item in problem.items:
+            if item.check is not None:
+                item.check(model)
     for item, part in zip(problem.items, problem.parts, strict=True):
         if np.all(np.isfinite(computed[part])):
             check_unit(item, computed[part])
@@ -164,11 +169,6 @@ def _check_start(problem: FitProblem) -> None:
         bad = [n for n, part in zip(names, problem.parts, strict=True) if not np.all(np.isfinite(slopes[part]))]
         text = f"Measurement '{bad[0]}' has no finite value or derivative at the start. Start elsewhere."
         raise AnalysisError(RESULTS.not_finite.name, text)
-    if any(item.check is not None for item in problem.items):
-        model, _ = problem.build(**problem.layout.split(problem.first))
-        for item in problem.items:
-            if item.check is not None:
-                item.check(model)
     ignored = ~np.any(slopes != 0, axis=0)
     ignored[list(problem.priors)] = False
     if np.any(ignored):

@@ -47,8 +47,8 @@ def measured_modes(
         Measured. Its ``check`` raises ValueError for a measured mode without partner.
 
     Raises:
-        ValueError: The number of mode numbers or of shapes differs from the number of frequencies. Shapes have no
-            sensors, or sensors have no shapes.
+        ValueError: The number of mode numbers or of shapes differs from the number of frequencies. Frequencies fall
+            while their mode numbers rise. Shapes have no sensors, or sensors have no shapes.
 
     Source:
         Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).
@@ -63,6 +63,13 @@ def measured_modes(
             check_whole("numbers_of_modes", number, 1)
         if which.shape != (count,) or len(set(which.tolist())) < count:
             raise ValueError(f"Measurement '{name}' has {count} frequencies: give as many numbers of modes, each once.")
+        order = np.argsort(which)
+        if falls := np.flatnonzero(np.diff(found[order]) < 0).tolist():
+            lower, upper = order[falls[0]], order[falls[0] + 1]
+            raise ValueError(
+                f"Measurement '{name}' has {found[lower]:g} Hz for mode {which[lower]} and {found[upper]:g} Hz for mode"
+                f" {which[upper]}. Modes are numbered by ascending frequency."
+            )
         most = int(which.max())
 
         def answer_by_number(model: Any) -> Float[Array, "m"]:

@@ -19,7 +19,7 @@ from ..display import Result, Summary
 from ..errors import clean, warn
 from ..numerical_limits import FEW_DRAWS, NOT_MIXED
 from .measurement import Measured
-from .problem import FitProblem, prediction_of
+from .problem import GOOD, FitProblem, prediction_of
 
 # Largest number of parameters for forward differentiation, which compiles faster.
 FORWARD = 6
@@ -164,7 +164,7 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
 
     def log_density(logit: Float[Array, "n"]):
         unit = jax.nn.sigmoid(logit)
-        values, _ = function(scaling.to_dimensions(unit))
+        values, code = function(scaling.to_dimensions(unit))
         rows = [_in_deviations(i, (values - measured)[p]) for i, p in zip(problem.items, problem.parts, strict=True)]
         square = sum(jnp.sum(row**2) for row in rows)
         found = -square / 2 if known else -len(problem.measured) / 2 * jnp.log(square)
@@ -175,7 +175,9 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
             found -= ((flat[i] - prior.mean) / prior.deviation) ** 2 / 2
             if scaling.log[i]:
                 found += jnp.log(flat[i])
-        return found
+        # Mechanisms without an answer are impossible.
+        good = jnp.any(code == jnp.array([int(one) for one in GOOD]))
+        return jnp.where(good, found, -jnp.inf)
 
     return log_density
 

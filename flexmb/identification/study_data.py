@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import dataclasses
+import functools
 import io
 import math
 from collections.abc import Callable, Iterator, Mapping
@@ -11,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from ..control.frequency_response import FrequencyResponse
-from ..control.universal_file import ENDINGS
+from ..control.frequency_response import FrequencyResponse, one_of
+from ..control.universal_file import ENDINGS, TYPES
 from ..design.study_parts import Called, NamedAnswer, function_of, message_of
 from ..design.study_values import (
     Kind,
@@ -169,6 +170,8 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
         if "real" in entry or "imaginary" in entry:
             raise StudyError(f"{key} has real and imaginary parts, and magnitude and phase: give one pair.")
         size, angle = (_needed(key, entry, part) for part in ("magnitude", "phase"))
+        if np.any(size < 0):
+            raise StudyError(f"{key}: a magnitude is {np.min(size):g}, but cannot be negative. It is no level in dB.")
         values = size * np.exp(1j * angle)
     else:
         real, imaginary = (_needed(key, entry, part) for part in ("real", "imaginary"))
@@ -178,7 +181,23 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
         for option in ("output", "input", "loss_factor", "gain", "delay", "logarithmic")
         if option in entry
     }
-    return measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
+    made = measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
+    if "ports" not in entry:
+        return made
+    return dataclasses.replace(made, check=functools.partial(_check_quantities, name, entry))
+
+
+def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
+    """Refuse a response of accelerations for an output that is a position, and the like."""
+    for kind, port, signals in zip(
+        ("output", "input"), entry["ports"], (model.labels.outputs, model.labels.inputs), strict=True
+    ):
+        own = signals[one_of(kind, [signal.name for signal in signals], entry.get(kind))].quantity
+        if port.quantity in TYPES and own in TYPES and TYPES[port.quantity] != TYPES[own]:
+            raise ValueError(
+                f"Measurement '{name}' has the {port.quantity} of an {kind}, but the {kind} of the model is of the"
+                f" quantity {own}. Name an {kind} of the model that is measured."
+            )
 
 
 def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...], *, from_universal: bool) -> None:
@@ -196,8 +215,8 @@ def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...
         entry[name] = values
 
 
-def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.ndarray]:
-    """Return frequencies and response of a universal file, data set 58."""
+def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return frequencies, response and ports of a universal file, data set 58."""
     if "columns" in entry:
         raise StudyError(f"{key}: a universal file has no columns. Leave columns out.")
     with _named(f"{key}: file"), _readable(key, path):
@@ -208,7 +227,9 @@ def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, np.n
         several = len(found.outputs) * len(found.inputs) > 1
         names = (entry.get("output"), entry.get("input")) if several else (None, None)
         response: Any = np.asarray(found.of(*names))
-    return {"hertz": np.asarray(found.hertz), "real": response.real, "imaginary": response.imag}
+        i, j = one_of("output", found.outputs, names[0]), one_of("input", found.inputs, names[1])
+    ports = found.output_ports[i], found.input_ports[j]
+    return {"hertz": np.asarray(found.hertz), "real": response.real, "imaginary": response.imag, "ports": ports}
 
 
 @contextlib.contextmanager
@@ -241,7 +262,12 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
     cells = [
         (i, [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=separator))]) for i, line in rows
     ]
-    header = [] if all(_is_number(cell) for cell in cells[0][1]) else cells.pop(0)[1]
+    are_numbers = [_is_number(cell) for cell in cells[0][1]]
+    by_number = bool(chosen) and all(isinstance(column, int) for column in chosen.values())
+    # Columns by number need no header: a row with some numbers is data, of which a cell may be missing.
+    header = [] if (any(are_numbers) if by_number else all(are_numbers)) else cells.pop(0)[1]
+    if not cells:
+        raise StudyError(f"{what} has no line of numbers.")
     wanted = chosen or {name: name for name in columns if name in header}
     if not wanted:
         raise StudyError(f"{what} has no column {' or '.join(columns)}. Name columns, such as {{ {columns[0]} = 2 }}.")

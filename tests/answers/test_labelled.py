@@ -93,6 +93,31 @@ def test_a_measured_response_is_read(tmp_path):
     np.testing.assert_array_equal(found.of(), values)
 
 
+def test_a_response_in_millimetres_is_read_in_si_units(tmp_path):
+    """Data set 164: divided by the factors, numbers of the file are in SI units."""
+    pyuff = pytest.importorskip("pyuff")
+    units = {"type": 164, "units_code": 5, "units_description": "mm", "temp_mode": 1, "length": 1e3, "force": 1e3}
+    units |= {"temp": 1.0, "temp_offset": 273.15}
+    about = {"ref_node": 7, "ref_dir": 1, "rsp_node": 12, "x": np.array([1.0, 2.0]), "id1": "shaker", "binary": 0}
+    about |= {"rsp_ent_name": "NONE", "ref_ent_name": "NONE", "abscissa_spacing": 1, "abscissa_spec_data_type": 18}
+    values = np.array([1.0 + 1j, 2.0 - 1j])
+
+    def loaded(output, direction, kind):
+        one = pyuff.prepare_58(
+            func_type=4, rsp_dir=direction, data=values, ordinate_spec_data_type=output, orddenom_spec_data_type=kind,
+            **about,
+        )  # fmt: skip
+        pyuff.UFF(str(tmp_path / "mm.unv")).write_sets([units, one], "overwrite")
+        return FrequencyResponse.load(tmp_path / "mm.unv").of()
+
+    # mm/mN is m/N; rad/mN is 1e3 rad/N.
+    np.testing.assert_allclose(loaded(8, 2, 13), values, rtol=1e-12)
+    np.testing.assert_allclose(loaded(8, 6, 13), 1e3 * values, rtol=1e-12)
+    np.testing.assert_allclose(loaded(13, 1, 12), values, rtol=1e-12)
+    with pytest.raises(ValueError, match="is not in SI units and does not say what its signals are"):
+        loaded(0, 1, 13)
+
+
 def test_universal_files_that_cannot_be(response, tmp_path):
     pytest.importorskip("pyuff")
     with pytest.raises(ValueError, match=r"\.uff or \.unv"):

@@ -1,5 +1,8 @@
 """Two models against the scatter of measurements, in closed form."""
 
+import dataclasses
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.mechanisms import cart_on_rod
@@ -75,6 +78,41 @@ def test_wrong_questions_are_named():
         fm.compare(cart(100.0), cart(101.0), fm.measured("mass", 4000.0, 1.0))
     with pytest.raises(ValueError, match="level"):
         fm.compare(cart(100.0), cart(101.0), {"mass": 0.1}, level=1.5)
+
+
+def test_phases_differ_by_less_than_half_a_turn():
+    """Far above the resonance both responses have the opposite phase of the measured one, by a little more or less."""
+
+    def phase(model, angle):
+        stiffness = fm.stiffness(model, "cart", "x")
+        return jnp.array([0.0, jnp.where(stiffness > 100.5, angle, -angle)])
+
+    data = dataclasses.replace(
+        fm.measured(phase, [0.0, 0.0], 0.1, name="response"), relative=True, parameters=("angle",)
+    )
+    found = fm.compare(cart(100.0), cart(101.0), data, parameters={"angle": 3.1})
+    assert found.difference["response"] == pytest.approx([0.0, 2 * np.pi - 6.2])
+    assert found.distance == pytest.approx((2 * np.pi - 6.2) / 0.1)
+
+
+def test_a_measured_mode_without_partner_is_named():
+    def two(first):
+        b = fm.Builder()
+        for name, place in {"wall": 0, "left": 1, "right": 2}.items():
+            b.node(name, (place, 0))
+        for p, q, stiffness in (("wall", "left", first), ("left", "right", 150.0)):
+            b.add(planar.truss, p, q, name=f"{p} to {q}", section=fm.Rigidity(EA=stiffness))
+        b.fix("wall")
+        for name in ("left", "right"):
+            b.fix(name, "y")
+            b.mass(name, 2.0)
+            b.dof(name, "x")
+        return b.build()
+
+    shapes = np.array([[1.0], [-0.35]])
+    data = fm.measured_modes([1.0], 0.1, shapes=shapes, at=["left.x", "right.x"], among=1)
+    with pytest.raises(ValueError, match="has no partner in the model"):
+        fm.compare(two(200.0), two(210.0), data)
 
 
 @pytest.mark.slow

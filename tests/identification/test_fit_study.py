@@ -182,6 +182,31 @@ label = "stroke [m]"
         np.testing.assert_allclose(curve.answer(made), expected, rtol=1e-3)
 
 
+def test_columns_by_number_of_a_table_with_words(study, tmp_path):
+    (tmp_path / "words.csv").write_text("1e-3,1.0,up\n2e-3,2.0,up\n3e-3,3.0,down\n")
+    text = "[data.c]\nanswer = 'lab:curve'\nfile = 'words.csv'\ncolumns = { values = 2 }\ndeviation = 0.1\n"
+    study.write_text(of_data(text).replace("w = 0.018\n", "w = 0.018\noffset = 0.0\n"))
+    (curve,) = read_fit_study(study).data
+    np.testing.assert_array_equal(curve.values, [1.0, 2.0, 3.0])
+
+
+def test_the_quantity_of_a_universal_file_is_that_of_the_model(study, tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    hertz = np.linspace(5.0, 15.0, 11)
+    values = -((2 * np.pi * hertz) ** 2) * np.asarray(fm.frequency_response(guide(0.5e-3, 0.1), hertz).of())
+    one = pyuff.prepare_58(
+        func_type=4, rsp_node=3, rsp_dir=1, ref_node=3, ref_dir=1, data=values, x=hertz, id1="hammer",
+        rsp_ent_name="NONE", ref_ent_name="NONE", abscissa_spacing=1, binary=0, ordinate_spec_data_type=12,
+        abscissa_spec_data_type=18, orddenom_spec_data_type=13,
+    )  # fmt: skip
+    pyuff.UFF(str(tmp_path / "hammer.uff")).write_sets([one], "overwrite")
+    text = "[data.frf]\nresponse = true\nfile = 'hammer.uff'\nrelative_deviation = 0.01\n"
+    study.write_text(of_data(text).replace(", prior = [0.1, 0.05]", ""))
+    result = call("fit", study)
+    assert result.exit_code == 2
+    assert "has the acceleration of an output, but the output of the model is of the quantity position" in result.stderr
+
+
 @pytest.mark.slow
 def test_a_universal_file(study, tmp_path):
     pytest.importorskip("pyuff")
@@ -233,6 +258,19 @@ FAULTS = [
     ("[data.r]\nresponse = true\nhertz = [1.0]\nreal = [1.0]", "[data] r: give imaginary"),
     ("[data.r]\nresponse = true\nfile = 'short.uff'", "short.uff"),
     (CURVE + "file = 'short.uff'", "a universal file has frequency responses"),
+    (
+        "[data.c]\nanswer = 'lab:curve'\nfile = 'gap.csv'\ncolumns = { values = 2 }\ndeviation = 0.1",
+        "'gap.csv', line 1: values is empty",
+    ),
+    (
+        "[data.c]\nanswer = 'lab:curve'\nfile = 'head.csv'\ncolumns = { values = 1 }",
+        "'head.csv' has no line of numbers",
+    ),
+    (
+        "[data.r]\nresponse = true\nhertz = [5.0]\nmagnitude = [-60.0]\nphase = [0.0]\ndeviation = 1.0",
+        "a magnitude is -60, but cannot be negative",
+    ),
+    ("[data.f]\nmodes = true\nvalues = [40.0, 10.9]\ndeviation = 0.1", "has 40 Hz for mode 1 and"),
     (CURVE + "values = 940.0\n[fit]\nlevel = 95.0", "[fit] level must be below 1"),
     (CURVE + "values = 940.0\n[fit]\nloss = 'l1'", "[fit] loss must be"),
 ]
@@ -243,6 +281,8 @@ def test_each_fault_is_one_line(study, tmp_path, text, words):
     (tmp_path / "nan.csv").write_text("over,values\n1e-3,1.0\n2e-3,nan\n3e-3,3.0\n")
     (tmp_path / "short.csv").write_text("1.0,2.0\n3.0\n")
     (tmp_path / "short.uff").write_text("")
+    (tmp_path / "gap.csv").write_text("1e-3,,a\n2e-3,2.0,b\n3e-3,3.0,c\n4e-3,4.0,d\n")
+    (tmp_path / "head.csv").write_text("over,values\n")
     given = of_data(text)
     if "curve" in text:
         given = given.replace("w = 0.018\n", "w = 0.018\noffset = 0.0\n")
