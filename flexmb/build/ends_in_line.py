@@ -94,7 +94,7 @@ def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | Non
 
 
 def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
-    """Whether nothing clamps an end but a leaf spring in line that is thick."""
+    """Whether no part clamps an end, except a thick leaf spring in line."""
     if (given := builder.members[end.leaf].properties["clamped"]) is not None:
         return given[end.number] == 0
     flags, distances = flags_and_distances(described.members[end.leaf].properties["clamped"])
@@ -104,9 +104,16 @@ def _goes_on(described: Description, builder: Description, end: End, other: End)
     return not is_clamped(builder, end, {end.rotation: rest}, (True, True)).flat
 
 
-def _are_known(builder: Description, *ends: End) -> bool:
-    """Whether the directions of leaf springs are known numbers."""
-    return is_concrete([axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends])
+def _unless_fold(builder: Description, sizes: tuple[Any, Any], *ends: End) -> tuple[Any, Any]:
+    """Return the sizes beyond an end, or its own sizes if traced directions meet at an angle."""
+    members = [builder.members[end.leaf] for end in ends]
+    if is_concrete([axes_of(builder, member, np, end.number) for member, end in zip(members, ends, strict=True)]):
+        return sizes
+    axes = [axes_of(builder, member, jnp, end.number) for member, end in zip(members, ends, strict=True)]
+    in_line = jnp.all(jnp.stack([jnp.abs(one @ two) >= np.cos(FOLD) for one, two in zip(*axes, strict=True)]))
+    own = _sizes(builder, members[0], ends[0].number)
+    beyond, before = (jnp.where(in_line, size, one) for size, one in zip(sizes, own, strict=True))
+    return beyond, before
 
 
 def warn_of_ends(described: Description) -> None:
@@ -199,9 +206,26 @@ def _length_of_part(described: Description, name: str, number: int) -> float:
         at = ends_of_leaf(others[0].leaf, described.members[others[0].leaf])[1 - others[0].number]
 
 
-def _check_stiff(name: str, member: Member, length: float) -> None:
-    """Raise an error if skew cuts leave no positive definite stiffness."""
-    own = member.properties
+def nan_if_not_stiff(described: Description) -> Description:
+    """Return the builder with NaN for traced skew cuts that a build with numbers refuses."""
+    found = described
+    for name, member in described.members.items():
+        if not _may_step(member) or member.properties.get("skew") is None:
+            continue
+        length = span_of(described, member)
+        if is_concrete((member.properties, length)):
+            continue
+        with nan_if_refused() as marked:
+            holds(_least(member, length) >= 0)
+            skew = marked(jnp.asarray(member.properties["skew"], float))
+        found = found.copy() if found is described else found
+        found.members[name] = dataclasses.replace(member, properties={**member.properties, "skew": skew})
+    return found
+
+
+def _least(member: Member, length: Any) -> Any:
+    """Return the least eigenvalue of the scaled stiffness matrix of a leaf spring and its ends."""
+    own, length = jax.lax.stop_gradient((dict(member.properties), jnp.asarray(length, float)))
     leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
     order = member.element.options["order"]
     matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
@@ -211,7 +235,7 @@ def _check_stiff(name: str, member: Member, length: float) -> None:
 
 
 def _check_stiff(name: str, member: Member, length: float) -> None:
-    """Refuse skew cuts of which nothing would be left that is stiff."""
+    """Raise an error if skew cuts leave no positive definite stiffness."""
     with jax.ensure_compile_time_eval():
         least = float(_least(member, length))
     if least < 0:

@@ -49,7 +49,8 @@ def robust_front(
         Front. Its sweep has all answers and statistics of the successful searches.
 
     Raises:
-        ValueError: The criteria are equal, or a criterion has a limit. Also the errors of :func:`flexmb.tune`.
+        ValueError: The criteria are equal, a criterion has a limit, or ``choices`` are given. Also the errors of
+            :func:`flexmb.tune`.
         AnalysisError: The search for an end of the front fails.
 
     Warns:
@@ -58,6 +59,8 @@ def robust_front(
     Source:
         Epsilon-constraint method: Haimes, Lasdon, Wismer 1971.
     """
+    if options.get("choices"):
+        raise ValueError("A front has no `choices`: make one for each combination.")
     if minimize == against:
         raise ValueError(f"The front needs two different criteria, not '{clean(minimize)}' twice.")
     for name in (minimize, against):

@@ -256,7 +256,7 @@ def _deviation(name: str, size: Any) -> float:
 
 def _tell_beyond_scatter(against: Mapping[str, float]) -> None:
     """Warn of answers in which the lean model differs by more than HIDDEN deviations."""
-    if beyond := [name for name, size in against.items() if abs(size) > HIDDEN]:
+    if beyond := [name for name, size in against.items() if not abs(size) <= HIDDEN]:
         listed_names = ", ".join(f"'{name}' ({against[name]:+.2g} deviations)" for name in beyond)
         warn(f"The lean model differs by more than half of the scatter in {listed_names}. Lower `tolerance`.")
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import Count, WholeFromZero, check_number, check_whole, checked
 from ..display import Result, Summary, short
 from ..errors import clean, warn
-from ..results import ANSWERED
+from ..results import ANSWERED, RESULTS
 from .designs import MOST
 from .evaluate import Answers, Build, named_answers
 from .problem import limits_of
@@ -177,7 +177,7 @@ def robustness(
             0 and 1. Fewer than two mechanisms have answers. Also the errors of :func:`flexmb.sweep`.
 
     Warns:
-        FlexmbWarning: Some mechanisms have no answers.
+        FlexmbWarning: Some mechanisms or the nominal design have no answers.
 
     Source:
         Yield: exact binomial interval, Clopper, Pearson 1934.
@@ -196,6 +196,8 @@ def robustness(
     answered = np.isin(ran.codes, ANSWERED)
     if np.sum(answered) < 2:
         raise ValueError(f"Fewer than two of {samples} mechanisms have answers: {ran.failures()}.")
+    if both.codes[0] not in ANSWERED:
+        warn(f"The nominal design has no answers ({RESULTS(int(both.codes[0])).name}).")
     if not np.all(answered):
         without = f"Of {samples} mechanisms {np.sum(~answered)} have no answers ({ran.failures()})."
         warn(f"{without} They do not count as good in the yield.")

@@ -15,6 +15,8 @@ from .evaluate import Layout, layout_of
 KINDS = ("normal", "lognormal", "uniform", "triangular")
 # Largest probability whose quantile is finite: the largest number below 1.
 LARGEST_SHARE = 1 - 2.0**-53
+# Share of an object's deviations beyond each end, and distance of the ends from zero over their own.
+REMOTE, BESIDE = 1e-9, 1e-3
 # Range and number of standard normal scores for the quadrature of moments; number of terms of Mehler's series.
 SCORES, POINTS, TERMS = 8.5, 20_001, 40
 
@@ -258,6 +260,13 @@ def scatter(
 
 def _spread(name: str, given: Any) -> Spread:
     if hasattr(given, "ppf"):
+        lower, upper = np.asarray(given.ppf(np.array([REMOTE, 1 - REMOTE])), float)
+        least = BESIDE * (upper - lower)
+        if not -np.inf < lower <= upper < np.inf or lower > least or upper < -least:
+            raise ValueError(
+                f"Scatter of '{name}': deviations of the object lie from {lower:g} to {upper:g} and must enclose zero."
+                " They are added to the nominal value."
+            )
         return Spread("own", (), given)
     kind, *sizes = ("normal", given) if not isinstance(given, Sequence) or isinstance(given, str) else given
     if kind not in KINDS:

@@ -67,10 +67,27 @@ class SampledDesign:
     statistics: dict[str, Statistic]
     acceptable: dict[str, Any]
 
-    @property
-    def further(self) -> dict[str, np.ndarray]:
-        """Nominal values of parameters beside the dimensions."""
-        return self.scatter.nominal
+    def further(self, layout: Layout) -> dict[str, np.ndarray]:
+        """Return the nominal values of parameters beside the dimensions."""
+        return {name: value for name, value in self.scatter.nominal.items() if name not in layout.names}
+
+    def made(self, layout: Layout) -> tuple[Layout, Callable[[Any], Any]]:
+        """Return the layout of all parameters, and a function from dimensions (n,) to made mechanisms as rows.
+
+        The first row is the nominal design.
+        """
+        further = self.further(layout)
+        whole = Layout((*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values())))
+        rest = layout_of(further).join(further)
+        added, factor = applied(self.scatter, even_scores(self.count, whole, self.seed), whole)
+        added = np.concatenate([np.zeros((1, added.shape[1])), added])
+        factor = np.concatenate([np.ones((1, factor.shape[1])), factor])
+
+        def rows(flat: Any) -> Any:
+            join: Any = np.concatenate if isinstance(flat, np.ndarray) else jnp.concatenate
+            return join([flat, rest]) * factor + added
+
+        return whole, rows
 
     def function(
         self,
@@ -80,21 +97,13 @@ class SampledDesign:
         models: list[Model],
     ) -> tuple[Callable[[Any], Any], Layout]:
         """Return the function from dimensions to nominal answers and statistics, and the layout of its values."""
-        further = {name: value for name, value in self.further.items() if name not in layout.names}
-        whole = Layout((*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values())))
-        rest = layout_of(further).join(further)
+        whole, made = self.made(layout)
         inner, of_answers = flat_function(build, functions, whole, models)
-        scores = even_scores(self.count, whole, self.seed)
-        added, factor = applied(self.scatter, scores, whole)
-        # The first row is the nominal design.
-        added = np.concatenate([np.zeros((1, added.shape[1])), added])
-        factor = np.concatenate([np.ones((1, factor.shape[1])), factor])
         shapes = dict(zip(of_answers.names, of_answers.shapes, strict=True))
         acceptable = {name: limits_of(name, shapes[name], pair) for name, pair in self.acceptable.items()}
 
         def function(flat: Float[Array, "n"]):
-            point = jnp.concatenate([flat, rest])
-            rows, codes = jax.lax.map(inner, point * factor + added)
+            rows, codes = jax.lax.map(inner, made(flat))
             values = of_answers.split(rows[1:].T)
             found = [rows[0]]
             found += [jnp.ravel(statistic_value(one, values[one.answer])) for one in self.statistics.values()]
@@ -134,6 +143,11 @@ def sampled_of(
     for name in acceptable or {}:
         if name not in answers:
             raise ValueError(f"Acceptable '{clean(name)}': there is no such answer ({', '.join(answers)}).")
+    for text, one in statistics.items():
+        least = 1 / min(one.percent / 100, 1 - one.percent / 100) if one.kind == "percentile" else 0
+        if samples < (1 - 1e-9) * least:
+            enough = f"Give `samples`, {np.ceil((1 - 1e-9) * least):.0f} or more."
+            raise ValueError(f"'{clean(text)}' lies beyond {samples} samples. {enough}")
     for name in scatter.spreads:
         if name not in dimensions and name not in scatter.nominal:
             raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")
@@ -180,9 +194,12 @@ def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any
         width = jnp.where(scatters, spread * count ** (-1 / 3), 1.0)
         for limit, sign in ((lower, 1.0), (upper, -1.0)):
             if limit is not None:
-                edge = jnp.broadcast_to(jnp.asarray(limit, float), samples.shape[:-1])[..., None]
-                margin = sign * (samples - edge)
+                edge = np.broadcast_to(np.asarray(limit, float), samples.shape[:-1])[..., None]
+                # A limit at infinity has no slope.
+                near = np.isfinite(edge)
+                margin = sign * (samples - np.where(near, edge, 0.0))
+                step = jnp.where(near, margin >= 0, sign * edge < 0).astype(float)
                 # An answer without scatter is inside or outside.
-                inside = jnp.where(scatters, jax.scipy.special.ndtr(margin / width), (margin >= 0).astype(float))
+                inside = jnp.where(scatters & near, jax.scipy.special.ndtr(margin / width), step)
                 kept = kept * jnp.prod(inside.reshape(-1, count), axis=0)
     return jnp.mean(kept)

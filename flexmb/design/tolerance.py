@@ -128,7 +128,7 @@ def tolerances(
     Warns:
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
             example near two coinciding frequencies. This check covers the twenty dimensions with the largest shares,
-            by derivatives one deviation to both sides. Or designs for the error of the second order have no answer.
+            by derivatives one deviation to both sides. Or designs for the error of the second order have no answer, or some samples.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
@@ -175,6 +175,9 @@ def tolerances(
     good = good[np.isin(ran.codes, ANSWERED)]
     if len(good) < 2:
         raise ValueError(f"Fewer than two of {samples} samples have answers: {ran.failures()}")
+    if len(good) < samples:
+        missing = samples - len(good)
+        warn(f"Of {samples} samples {missing} have no answers ({ran.failures()}). The statistics leave them out.")
     return dataclasses.replace(
         scatter_of,
         sampled_mean=good.mean(axis=0),

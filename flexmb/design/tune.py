@@ -143,7 +143,9 @@ def tune(
     asked = [name for name in (minimize, maximize) if name is not None]
     asked += [name for what in (targets, limits, equal) for name in what or ()]
     sampled = sampled_of(scatter, samples, seed, asked, functions, layout.names, acceptable)
-    further = () if sampled is None else tuple(name for name in sampled.further if name not in layout.names)
+    further = () if sampled is None else tuple(sampled.further(layout))
+    if twice := [name for name in further if name in options]:
+        raise ValueError(f"'{clean(twice[0])}' has choices and a nominal value. Scatter it about a dimension instead.")
     check_dimensions(build, (*layout.names, *further, *options))
     check_names((*layout.names, *further, *options), tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
@@ -273,7 +275,8 @@ def _searched(
     q, scaling, layout = question, question.scaling, question.scaling.layout
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)
-    _check_start(of_answers, at_start)
+    note = "" if q.sampled is None else " Every made mechanism needs one: narrow `scatter`."
+    _check_start(of_answers, at_start, note)
     if reference is not None and reference.shape != at_start[0].shape:
         raise ValueError("Answers have different shapes in different combinations of choices. Make them the same.")
     problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
@@ -292,16 +295,14 @@ def _searched(
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
     """Return the kernel of a question, and the layout of its answers."""
     scaling, layout = q.scaling, q.scaling.layout
-    further: dict[str, Any] = {}
+    first, whole, made = layout.split(q.first), layout, lambda flat: flat[None]
     if q.sampled is not None:
-        further = {name: value for name, value in q.sampled.further.items() if name not in layout.names}
-    models = build_once(build, {**layout.split(q.first), **further})
-    if q.sampled is None:
-        function, of_answers = flat_function(build, q.functions, layout, models)
-    else:
-        function, of_answers = q.sampled.function(build, q.functions, layout, models)
-        build = functools.partial(build, **further)
-    of_designs = refusal(build, models, layout.split(q.first)) if layout.names else None
+        first |= q.sampled.further(layout)
+        whole, made = q.sampled.made(layout)
+    models = build_once(build, first)
+    of_flat = flat_function if q.sampled is None else q.sampled.function
+    function, of_answers = of_flat(build, q.functions, layout, models)
+    of_designs = refusal(build, models, first) if whole.names else None
 
     def of_unit(unit: Float[Array, "n"]):
         return function(scaling.to_dimensions(unit))
@@ -309,7 +310,9 @@ def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
     def refused(units: np.ndarray) -> np.ndarray:
         if of_designs is None:
             return np.zeros(len(units), bool)
-        return of_designs(layout.stacked(scaling.to_dimensions(units)))
+        # A design of which one made mechanism cannot be built has no statistics.
+        rows = np.stack([made(scaling.to_dimensions(unit)) for unit in units])
+        return np.any(of_designs(whole.stacked(rows.reshape(-1, rows.shape[-1]))).reshape(len(units), -1), axis=1)
 
     named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
     named |= {name for what in ("targets", "limits", "equal") for name in q.wanted[what]}
@@ -352,10 +355,11 @@ def _first(array: Any) -> Any:
     return array[None]
 
 
-def _check_start(of_answers: Layout, at_start: Any) -> None:
+def _check_start(of_answers: Layout, at_start: Any, note: str) -> None:
     values, slopes, code = at_start
     if code != RESULTS.successful:
-        raise _StartError(f"The start has no answer ({RESULTS(code).name}): {RESULTS(code).message}", RESULTS(code))
+        text = f"The start has no answer ({RESULTS(code).name}): {RESULTS(code).message}{note}"
+        raise _StartError(text, RESULTS(code))
     for name, value, row in zip(of_answers.labels, values, slopes, strict=True):
         if not np.isfinite(value):
             text = f"Answer '{name}' is {value} at the start. Start elsewhere, or ask for something finite."

@@ -403,3 +403,92 @@ def test_a_front_of_the_nominal_value_against_the_percentile():
     assert np.all(np.diff(front["percentile 95 y"]) < 0)
     with pytest.raises(ValueError, match="two different criteria"):
         robust_front(made, answers, {"x": 1.0}, {"x": (0.5, 1.99)}, minimize="y", against="y")
+
+
+def test_made_mechanisms_that_cannot_be_built_have_no_statistics():
+    """A rod of negative stiffness would have a deformation, and count as one below every limit."""
+
+    def rod(stiffness, factor=1.0):
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("end", (1, 0))
+        b.add(planar.truss, "wall", "end", section=fm.Rigidity(EA=stiffness * factor))
+        b.fix("wall")
+        b.fix("end", "y")
+        b.force("end", (1.0, 0))
+        b.dof("end", "x")
+        return b.build()
+
+    search = {"targets": {"mean u": 100.0}, "samples": 32}
+    answers, start, bounds = {"u": "stiffness end.x"}, {"stiffness": 100.0}, {"stiffness": (50.0, 500.0)}
+    with pytest.raises(ValueError, match=r"impossible_design.*Every made mechanism needs one: narrow `scatter`"):
+        fm.tune(rod, answers, start, bounds, scatter=fm.scatter({"stiffness": 80.0}), **search)
+    factors = fm.scatter({"factor": 0.8}, nominal={"factor": 1.0})
+    with pytest.raises(ValueError, match="impossible_design"):
+        fm.tune(rod, answers, start, bounds, scatter=factors, **search)
+    found = fm.tune(rod, answers, start, bounds, scatter=fm.scatter({"stiffness": 10.0}), **search)
+    # The mean of 32 even samples is off by a part of the scatter over 32.
+    assert found.dimensions["stiffness"] == pytest.approx(100.0, abs=10.0 / 32)
+
+
+def test_percentiles_beyond_the_samples_are_refused():
+    scatter = fm.scatter({"x": 0.1})
+    for text in ("percentile 99.5 y", "percentile 0.5 y"):
+        with pytest.raises(ValueError, match=rf"'{text}' lies beyond 128 samples\. Give `samples`, 200 or more"):
+            fm.tune(made, {"y": lambda m: m["x"]}, {"x": 1.0}, {"x": (0.5, 2.0)}, minimize=text, scatter=scatter)
+    answers, targets = {"y": lambda m: m["x"]}, {"percentile 99.5 y": 1.5}
+    found = fm.tune(made, answers, {"x": 1.0}, {"x": (0.5, 2.0)}, targets=targets, scatter=scatter, samples=200)
+    # Of 200 even samples the highest, within the scatter of it.
+    assert found.dimensions["x"] == pytest.approx(1.5 - 0.1 * norm.ppf(0.995), abs=0.03)
+
+
+def test_a_limit_at_infinity_is_none():
+    found = [
+        fm.tune(
+            made,
+            {"y": lambda m: m["x"]},
+            {"x": 1.0},
+            {"x": (0.5, 2.0)},
+            targets={"yield": 0.9},
+            acceptable={"y": (1.0, upper)},
+            scatter=fm.scatter({"x": 0.1}),
+        ).dimensions["x"]
+        for upper in (None, np.inf)
+    ]
+    assert found[0] == pytest.approx(1.0 + 0.1 * norm.ppf(0.9), abs=0.005)
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
+def test_what_has_choices_has_no_nominal_value():
+    with pytest.raises(ValueError, match="'number' has choices and a nominal value"):
+        fm.tune(
+            made,
+            {"y": lambda m: m["x"] * m["number"]},
+            {"x": 1.0},
+            {"x": (0.5, 2.0)},
+            choices={"number": [1.0, 2.0]},
+            targets={"mean y": 1.0},
+            scatter=fm.scatter({"number": 0.1}, nominal={"number": 1.0}),
+        )
+    with pytest.raises(ValueError, match="A front has no `choices`"):
+        robust_front(
+            made, {"y": cube}, {"x": 1.0}, {"x": (0.5, 2.0)}, minimize="y", against="z", choices={"number": [1, 2]}
+        )
+
+
+@pytest.mark.filterwarnings("ignore:The scatter of 'y' .*is not linear", "ignore:Of 200 mechanisms")
+def test_samples_without_answers_are_told():
+    answers = {"y": lambda m: jnp.sqrt(m["x"])}
+    with pytest.warns(fm.FlexmbWarning, match=r"Of 200 samples \d+ have no answers .*leave them out"):
+        fm.design.tolerances(made, answers, {"x": 1.0}, {"x": 0.5}, samples=200)
+    with pytest.warns(fm.FlexmbWarning, match=r"The nominal design has no answers \(not_finite\)"):
+        found = fm.design.robustness(made, answers, {"x": -0.01}, fm.scatter({"x": 1.0}), samples=200)
+    assert np.isnan(found.nominal["y"])
+
+
+def test_an_object_is_about_deviations():
+    with pytest.raises(ValueError, match=r"must enclose zero\. They are added to the nominal value"):
+        fm.scatter({"t": norm(0.5e-3, 5e-6)})
+    with pytest.raises(ValueError, match="must enclose zero"):
+        fm.scatter({"t": uniform(-3.0, 1.0)})
+    fm.scatter({"t": uniform(0.0, 1.0), "s": norm(0.1, 0.1)})
