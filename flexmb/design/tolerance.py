@@ -128,7 +128,8 @@ def tolerances(
     Warns:
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
             example near two coinciding frequencies. This check covers the twenty dimensions with the largest shares,
-            by derivatives one deviation to both sides. Or designs for the error of the second order have no answer, or some samples.
+            by derivatives one deviation to both sides. Or some samples, or designs for the error of the second order,
+            have no answer.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2

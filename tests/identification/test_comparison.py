@@ -9,6 +9,7 @@ from cases.mechanisms import cart_on_rod
 from scipy.stats import chi2, norm
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.mechanisms import mechanism_path
 
 
