@@ -487,7 +487,7 @@ OTHERS = {
 }
 
 
-@pytest.mark.slow("a step that a path has not", "times that a motion has not")
+@pytest.mark.slow
 @pytest.mark.parametrize("case", OTHERS)
 def test_other_arguments(case):
     act, message = OTHERS[case]

@@ -650,6 +650,7 @@ def test_incremental_loads_that_do_not_act_are_told(mode, tmp_path):
 # -- streams and files ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("redirected", "status", "words"),
     [
@@ -831,7 +832,7 @@ def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
 WHEEL = "PLTOR 1 1 2\nFIX 1\nRLSE 1 1\nDYNX 2 1\nEND\nHALT\nXM 2 -0.01\nESTIFF 1 1\nTIMESTEP 0.02 4\nEND\nEND\n"
 
 
-@pytest.mark.slow("1", "8", "9")
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [1, 7, 8, 9])
 def test_a_negative_mass_is_refused_in_every_mode(mode, tmp_path):
     path = tmp_path / "negative.dat"

@@ -564,6 +564,7 @@ def pickled(b):
     return pickle.loads(pickle.dumps(b))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, fm.Builder.copy, pickled])
 def test_a_copy_of_a_builder_has_contents_of_its_own(copied):
     b = two_nodes()
@@ -587,6 +588,7 @@ def test_a_copy_of_a_builder_has_contents_of_its_own(copied):
     np.testing.assert_array_equal(fm.frequencies(b.build()), before)
 
 
+@pytest.mark.slow
 def test_a_body_on_a_second_rotation_of_a_node_is_an_element():
     """Two arms on one pin: what the message says is right, by the frequencies of the arm on springs."""
 

@@ -64,6 +64,7 @@ def test_a_tension_by_name_pulls_at_the_end(element, flat):
     np.testing.assert_allclose([found.stress_resultant("l", f"closure_{of}") for of in ("y", "tilt")], 0, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("room", [planar, spatial])
 def test_what_is_called_elongation_is_what_warmth_gives(room):
     """A free one grows by alpha times temperature times length, and does nothing else, whatever its numbers are."""
@@ -145,6 +146,7 @@ def test_a_field_is_released_as_a_whole():
     assert roles(released=("curvature_2", 4)) == ["fixed"] * 3 + ["dependent"] + ["fixed"] * 3 + ["dependent", "fixed"]
 
 
+@pytest.mark.slow
 def test_a_closure_is_cut_by_its_name():
     """A slot at the end: B goes along the beam as the spring beside it has it, across as 3 EI/L^3 has it."""
     b = beam(released=("closure_x", "elongation", "curvature"))

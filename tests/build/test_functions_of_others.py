@@ -85,6 +85,7 @@ def test_settings_are_no_numbers():
         assert displacement(built(spring)) == approx(FORCE / STIFFNESS)
 
 
+@pytest.mark.slow
 def test_a_model_with_functions_of_others_can_be_copied():
     model = built()
     for again in (copy.deepcopy(model), pickle.loads(pickle.dumps(model))):

@@ -127,6 +127,7 @@ def test_auto_releases_a_hinge_of_bricards_loop():
     assert model.topology.n_q == 1
 
 
+@pytest.mark.slow
 def test_supports_of_a_scott_russell_linkage():
     """The crank pushes the bar along itself, and a slider bears it across its way: cosine and sine of its angle."""
     found = {one[:2]: one for one in candidates(scott_russell())}

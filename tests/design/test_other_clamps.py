@@ -52,6 +52,7 @@ def test_a_sweep_has_each_design_as_it_is_built_alone(alone):
     np.testing.assert_allclose(found["twist"], alone, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_widths_at_an_angle_and_warping_that_is_held_are_no_other_clamps():
     def build(length):
         b = fm.Builder()
@@ -105,6 +106,7 @@ def test_what_another_structure_cannot_answer_stops_no_other_design():
     np.testing.assert_array_equal(found.codes, [0, fm.RESULTS.impossible_design])
 
 
+@pytest.mark.slow
 def test_a_search_leaves_out_what_is_clamped_otherwise(alone):
     between = alone[:2].mean()
     with pytest.warns(fm.FlexmbWarning, match="left out designs whose leaf springs are clamped otherwise"):

@@ -61,6 +61,7 @@ def test_settling_of_a_swing():
         assert float(jax.jit(derivative)(omega, damping)) == approx(difference, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_does_not_settle():
     assert float(settled(12.0, 0.0)) == np.inf
     assert float(settled(12.0, -0.1)) == np.inf

@@ -98,7 +98,7 @@ def pieces(n):
     return (edges[:-1] ** 3 - edges[1:] ** 3) / 3
 
 
-@pytest.mark.slow("1-0.75")
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "limit"), [(1, 3 / 4), (3, 0.8399473666)])
 def test_cantilever_of_least_volume(law, limit):
     """E2: least mean size for the tip deflection of the uniform beam, I = size^law."""

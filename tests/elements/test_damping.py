@@ -48,6 +48,7 @@ STRAINS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strain", STRAINS)
 def test_each_rigidity_dampens_its_own_strain(strain):
     """A uniform rate of strain takes rigidity times its square per length, in the plane and in space."""

@@ -89,6 +89,7 @@ def test_fold_beside_solid_elements():
     np.testing.assert_allclose(flexible, [29.9939, 63.6993, 120.292, 0.636736, 0.199637, 0.636737], rtol=0.002)
 
 
+@pytest.mark.slow
 def test_twist_of_a_strip_that_cannot_warp():
     """Closed form (2.10) with the plate's modulus and the warping constant of (2.57): exact for a constant torque."""
     it = LEAF.rigidity().GIt / STEEL.G

@@ -349,6 +349,7 @@ def on_bushing(root, clamp=None, fixed=True) -> fm.Builder:
 SOFT = np.array([2e7, 3e6, 20.0])
 
 
+@pytest.mark.slow
 def test_an_elastic_root_beside_an_element_of_its_own():
     """Frequencies and a large deflection."""
     apart, within = on_bushing(SOFT), on_bushing(None, (SOFT, None))
@@ -476,6 +477,7 @@ def test_a_skew_cut_out_of_range_warns(length, degrees, message):
         skewed(length, degrees).build()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_a_leaf_spring_too_short_for_its_cuts_is_refused():
     b = skewed(0.02, 60)

@@ -166,6 +166,7 @@ def polygon_moments(outer, inner):
     return over(w, t) - over(wi, ti)
 
 
+@pytest.mark.slow
 @given(POSITIVE, POSITIVE, POSITIVE, POSITIVE, st.booleans())
 def test_rectangle(w, t, e, rho, rotary):
     s = fm.Rectangle(w, t, fm.Material(E=e, G=0.4 * e, rho=rho), rotary=rotary).rigidity()

@@ -262,6 +262,7 @@ def test_a_chain_of_one_traced_section():
     assert float(slope) == approx((closed(0.5e-3 + 1e-8) - closed(0.5e-3 - 1e-8)) / 2e-8, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_a_rod_that_is_free_at_its_foot():
     """What is held there is said by `clamped`, against what would be found."""
     b = fm.Builder()

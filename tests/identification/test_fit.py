@@ -258,6 +258,7 @@ def test_parameters_that_fit_as_well_are_named():
     assert sorted(float(values["place"]) for values, _ in found.minima) == pytest.approx([1.0, 3.0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_parameters_that_no_mechanism_has_are_no_fit():
     """E/(2 G) - 1 of the measured moduli is 1.5, beyond any Poisson's ratio."""
 
@@ -302,6 +303,7 @@ def test_weights_need_deviations():
         fm.fit(*given, loss="huber")
 
 
+@pytest.mark.slow
 def test_a_prediction_without_a_value_is_refused():
     data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-4)}
     found = fm.fit(cart, data, GUESS, BOUNDS)

@@ -83,6 +83,7 @@ def test_derivatives_by_thickness_and_the_cube_of_it_in_a_buckling_load():
     assert T * reverse(T, light)[1] / value(T, light)[1] == approx(3, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_vmap_over_thicknesses_is_a_loop():
     thicknesses = np.linspace(0.3e-3, 0.8e-3, 5)
     together = fm.jit(jax.vmap(frequency))(thicknesses)

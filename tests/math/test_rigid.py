@@ -54,6 +54,7 @@ def test_poses_along_a_line(count):
     np.testing.assert_allclose(poses(motions), expected, atol=1e-14 * count)
 
 
+@pytest.mark.slow
 def test_one_screw_motion_of_many_turns():
     motion = np.array([7.0, -19.0, 25.0, 1.0, 2.0, 3.0])
     line = screw_line(motion, jnp.array([0.0, 0.3, 1.0]))

@@ -44,6 +44,7 @@ def test_hanging_pendulum_in_the_plane(joint):
     np.testing.assert_allclose(joint_force, [0, 9.81], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_inverted_pendulum_is_reported_unstable():
     model = planar_pendulum(9.81)
     found = fm.modes(model)
@@ -141,6 +142,7 @@ def test_lowest_eigenvalue_is_zero_at_the_load_of_linear_buckling(element):
         assert critical == approx(2.91443467, rel=3e-6)
 
 
+@pytest.mark.slow
 def test_side_load_grows_towards_the_buckling_load():
     def displacement(p):
         return float(fm.equilibrium(column(8, extension=0.1, force=(1e-3, -p)).build()).at("end")[0])

@@ -74,6 +74,7 @@ def test_of_two_conditions_within_one_step_the_first_in_time_ends_the_motion(mas
     assert last(mass, event) == approx(DOWN, abs=6e-4)
 
 
+@pytest.mark.slow
 def test_steps_are_shortened_where_their_ends_do_not_tell_which_event_comes_first():
     def wave(t, y):
         return (t - 0.3) * (t - 0.7)

@@ -261,6 +261,7 @@ def test_gauss_keeps_its_order_and_leaves_fast_motion_alone():
     assert 50 < errors[0] / errors[1] < 80
 
 
+@pytest.mark.slow
 def test_spin_up_by_another_integrator():
     """Runge-Kutta where nothing is stiff; and what the beam does in the end, stretched by its own weight."""
     rod = PlanarRod(10.0, 1.4e4, 1.2, terms=2)
@@ -324,7 +325,7 @@ AGAIN = {
 }
 
 
-@pytest.mark.slow("slider-crank-smooth", "elbow", "spaghetti", "elbow-two-terms", "spaghetti-two-terms")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PROBLEMS)
 def test_stored_rows_are_solved_anew(name):
     """The first times of each problem, on a coarser mesh; all of them by `motion_rod_cases.py`."""

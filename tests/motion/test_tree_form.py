@@ -57,6 +57,7 @@ def unit(values):
     return np.asarray(values) / np.linalg.norm(values)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("curved", [False, True])
 @pytest.mark.parametrize("space", [False, True])
 def test_the_pose_that_a_beam_gives_closes_it(space, curved):

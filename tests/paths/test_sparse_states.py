@@ -81,7 +81,7 @@ def test_answers_about_a_state_are_those_of_the_dense_path(paths, question):
     np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9 * np.max(np.abs(wanted)))
 
 
-@pytest.mark.slow("stress", "frequency 2")
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["n1.y", "reaction n0.x", "stress", "frequency 2", "stiffness n1.y", "load factor"])
 def test_what_is_asked_along_the_path_is_as_along_the_dense_one(paths, text):
     wanted, found = (of.along(text) for of in paths)

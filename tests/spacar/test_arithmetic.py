@@ -138,6 +138,7 @@ def test_length_and_depth_have_no_limit(text, value):
     assert value_of(text, {}) == value
 
 
+@pytest.mark.slow
 def test_what_is_huge_is_refused_at_once():
     for text in ("9**9**9**9", "(" * 10**6, "1" * 10**6, "x" * 10**6, "1 " * 10**6):
         begin = time.perf_counter()

@@ -463,6 +463,7 @@ def test_a_file_without_end_is_not_read_whole(tmp_path):
         fm.read_spacar(tmp_path / "large.dat")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", ["TURBINE {0} 2 3 4", "X {0} 1.0 y", "PLBEAM a b c d e f g h"])
 def test_many_faults_take_little_memory(line):
     """Ten times the text at most, of which a copy is made: the lines are kept, their words are not."""

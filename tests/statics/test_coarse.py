@@ -44,6 +44,7 @@ def said(ask):
     return found, [str(one.message) for one in heard if one.category is CoarseWarning]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.7, 0.97])
 def test_an_arc_is_right_as_long_as_nothing_is_said(share):
     """An end of an arc turns from the chord by half of the arc's angle, and one beam a little more."""
@@ -95,6 +96,7 @@ def test_a_twist():
         assert bool(words) == is_said
 
 
+@pytest.mark.slow
 def test_a_spectral_beam_needs_no_other():
     _, words = said(lambda: fm.equilibrium(bent(1.0 * BEND / LENGTH, planar.spectral_beam(5))))
     assert words == []
@@ -150,6 +152,7 @@ def test_a_beam_that_is_bent_and_stretched_is_not_told_to_be_divided():
     assert len(words) == 2
 
 
+@pytest.mark.slow
 def test_a_bar_that_cannot_bend_may_stretch():
     _, words = said(lambda: fm.equilibrium(pulled(0.05, count=1, across=0.0, released=(1,))))
     assert words == []

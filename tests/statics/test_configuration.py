@@ -47,6 +47,7 @@ def crank(x, velocity):
     return b.build()
 
 
+@pytest.mark.slow
 def test_short_flexures_of_a_long_chain_are_no_dead_point():
     """What a notch of 1 mm turns moves the end of the chain by 10 m, and is as regular as that of a short one."""
     b = fm.Builder()

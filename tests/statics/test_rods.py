@@ -120,6 +120,7 @@ def test_moment_in_any_direction_makes_a_helix(kind):
     np.testing.assert_allclose(matrix(tip[3:]), matrix(quaternion(fixed)) @ root, atol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("P", "J", "tip"), BEND)
 def test_bend45(P, J, tip):
     problem = rod_cases.arc(PROBLEMS["follower-arc"] | {"J": J}, force=(0.0, 0.0, P))
@@ -319,7 +320,7 @@ def numbers(value):
 SLOW = ("lee-frame", "lateral", "frame-lateral")  # their first rows are solved above
 
 
-@pytest.mark.slow("cross-pivot", "guide-planar", "guide-spatial")
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in PROBLEMS if name not in SLOW])
 def test_stored_rows_are_solved_anew(name):
     """The first case of each problem; all of them by `rod_cases.py`."""

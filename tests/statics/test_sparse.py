@@ -329,6 +329,7 @@ def test_a_load_that_happens_to_be_zero_asks_for_no_stiffness(sparse):
     np.testing.assert_allclose(named[3], plain[3], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_rigid_arm_with_a_load_that_happens_to_be_zero():
     b = fm.Builder()
     b.node("a", (0, 0))

@@ -190,6 +190,7 @@ def test_a_column_that_buckles_both_ways_at_once_is_told():
     assert len(told(square, sparse=True)) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("height", "unstable"), [(1.0, True), (-1.0, False)])
 def test_a_body_on_its_head(height, unstable):
     assert len(told(pendulum((0, height)).build())) == unstable

@@ -96,6 +96,7 @@ def test_loads_beyond_the_limit_are_told_apart():
         fm.equilibrium(model, load_factor=1.5)
 
 
+@pytest.mark.slow
 def test_a_law_that_may_hold_the_search_up_is_named():
     """A pull of a thousandth against a spring that gives way for good."""
     b = fm.Builder()

@@ -226,6 +226,7 @@ def test_what_cannot_be_asked_says_so(swung):
         fm.trajectory.perturbation(arm())
 
 
+@pytest.mark.slow
 def test_a_motion_without_mass_is_named():
     """A point mass on an arm without mass: the turn of the tip has none, which is no fault of the constraints."""
     with pytest.raises(fm.AnalysisError, match=r"Motions without mass: .*tip\.rotation\.phi") as info:

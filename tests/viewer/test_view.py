@@ -87,6 +87,7 @@ def array(text, *shape):
 # Numbers.
 
 
+@pytest.mark.slow
 def test_page_has_the_points_and_names_that_were_computed(guide, modes):
     view = fm.view(modes)
     data = data_of(view)
@@ -237,6 +238,7 @@ def test_colours_of_a_cantilever():
     np.testing.assert_allclose(np.abs(signed.values), 0.01, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_rigid_elements_have_no_colour(guide):
     view = fm.view(guide, fm.linear.section_resultants(guide))
     for part in view.lines.parts:
@@ -317,6 +319,7 @@ def test_notebook_gets_a_frame_with_the_whole_page(modes):
 # Refusals.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [

@@ -159,6 +159,7 @@ def test_loads_that_are_zero_yet_are_none(page):
     assert told["values"]["displacement"]["value"] == approx(1e-3, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_the_newest_wins_and_there_are_no_more_answers_than_documents():
     entered, go = threading.Event(), threading.Event()
 
