@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Complex, Float
 from ..arguments import check_numbers, is_concrete, shown
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
-from ..display import Result, Summary, listed, short, span
+from ..display import Column, Labelled, Quantities, Summary, listed, short, span
 from ..errors import AnalysisError, ModelError, clean, warn
 from ..linear.about import Where, linearized
 from ..linear.linearize import Linearization, ManyStates
@@ -33,7 +33,7 @@ from .state_space import damped_without_mass
 Density = float | Sequence[float] | Float[Array, "n_f"] | Callable[[Any], Any]
 
 
-class NoiseBudget(Result, Record):
+class NoiseBudget(Labelled, Record):
     """Noise of outputs, source by source; densities are one-sided, per Hz.
 
     Attributes:
@@ -84,6 +84,16 @@ class NoiseBudget(Result, Record):
             output, source: As for :meth:`rms`.
         """
         return root_or_zero(self._part(self.below, output, source))
+
+    def quantities_by_name(self) -> Quantities:
+        """Return spectral densities and their integrals, by frequency, output and source."""
+        over = ("frequency", "output", "source")
+        along = {"frequency": Column(over[:1], self.hertz, "Hz")}
+        along |= {
+            name: Column((name,), np.array(own))
+            for name, own in zip(over[1:], (self.outputs, self.sources), strict=True)
+        }
+        return Quantities(over[:1], along, {"density": Column(over, self.spectra), "below": Column(over, self.below)})
 
     def summary(self) -> Summary:
         """Return the root mean square of each output, and the share of each source in its square."""

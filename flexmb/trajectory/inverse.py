@@ -13,7 +13,7 @@ from jaxtyping import Array, ArrayLike, Bool, Float, Int
 from ..arguments import checked_times, computed, is_concrete, shown
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
-from ..display import Result, States, Summary, among, listed, short, span
+from ..display import Column, Labelled, Quantities, States, Summary, among, listed, short, span
 from ..errors import AnalysisError, ModelError
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import accumulate, put
@@ -69,7 +69,7 @@ class Wanted(Record):
     law: Callable[..., Any]
 
 
-class Nominal(Result, Record):
+class Nominal(Labelled, Record):
     """A motion along a trajectory, with the inputs that drive the mechanism.
 
     The motion belongs to the whole model: ``nominal.motion.linearizations()`` linearises a mechanism that may vibrate
@@ -114,6 +114,18 @@ class Nominal(Result, Record):
     def states(self) -> States:
         """The states over time."""
         return self.motion.states()
+
+    def quantities_by_name(self) -> Quantities:
+        """Inputs, outputs and holding forces by time."""
+        labels = self.motion.labels
+        along, found = {"time": Column(("time",), self.t, "s")}, {}
+        for name, signals, values in (("input", labels.inputs, self.u0), ("output", labels.outputs, self.y0)):
+            along[name] = Column((name,), np.array([signal.name for signal in signals]))
+            units = np.array([signal.port(labels).unit for signal in signals])
+            found[f"nominal_{name}"] = Column(("time", name), values, units)
+        along["freedom"] = Column(("freedom",), np.array(self.motion.model.q_labels))
+        found["holding_force"] = Column(("time", "freedom"), self.f0)
+        return Quantities(("time",), along, found)
 
     def summary(self) -> Summary:
         """Outcome, and the range of each input and output."""

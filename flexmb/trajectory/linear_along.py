@@ -16,7 +16,7 @@ from ..arguments import as_reals, check_number, checked_times, is_concrete, show
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
-from ..display import Result, Summary, short, span
+from ..display import Column, Labelled, Quantities, Summary, short, span
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     import control
 
 
-class TimeVarying(Result, Record):
+class TimeVarying(Labelled, Record):
     """Linear time-varying system z_dot = A(t) z + B(t) u, y = C(t) z + D(t) u along a motion.
 
     z, u and y are deviations from the motion. Displacements of the degrees of freedom come first, then their rates.
@@ -74,6 +74,17 @@ class TimeVarying(Result, Record):
     output_labels: tuple[str, ...] = static()
     origins: Float[Array, "n_y"] | None = None
     one_axis = "t"
+
+    def quantities_by_name(self) -> Quantities:
+        """Matrices, inputs and outputs of the motion by time; row i of A and B has the name "d/dt state i"."""
+        names = {"state": self.state_labels, "rate": tuple(f"d/dt {name}" for name in self.state_labels)}
+        names |= {"input": self.input_labels, "output": self.output_labels}
+        along = {"time": Column(("time",), self.t, "s")}
+        along |= {name: Column((name,), np.array(own, str)) for name, own in names.items()}
+        axes = {"A": ("rate", "state"), "B": ("rate", "input"), "C": ("output", "state"), "D": ("output", "input")}
+        axes |= {"u0": ("input",), "y0": ("output",)}
+        found = {name: Column(("time", *over), getattr(self, name)) for name, over in axes.items()}
+        return Quantities(("time",), along, found)
 
     def __call__(self, t: ArrayLike) -> StateMatrices:
         """Matrices at one time, by a cubic spline.

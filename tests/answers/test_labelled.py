@@ -7,6 +7,7 @@ import pytest
 from cases.mechanisms import planar_guide, spatial_guide
 
 import flexmb as fm
+from flexmb import planar
 from flexmb.control import FrequencyResponse
 from flexmb.errors import FlexmbWarning
 
@@ -228,3 +229,32 @@ def test_what_is_missing_is_named(model, response, tmp_path, monkeypatch, name):
     }
     with pytest.raises(ImportError, match=rf"{name}: pip install 'flexmb\[io\]'"):
         ask[name]()
+
+
+def test_noise_and_inputs_along_a_trajectory_have_names_and_units():
+    b = fm.Builder()
+    b.node("wall", (0, 0))
+    b.node("cart", (0.5, 0))
+    b.add(planar.truss, "wall", "cart", section=fm.Rigidity(EA=200.0), damping=fm.Damping(EA=1.0))
+    b.mass("cart", 4.0)
+    b.fix("wall")
+    b.fix("cart", "y")
+    b.dof("cart", "x")
+    b.input("cart", "x", name="push")
+    b.output("cart", "x", quantity="velocity", name="speed")
+    model = b.build()
+    budget = fm.control.noise_budget(model, [1.0, 2.0, 3.0], sources={"push": 1e-4})
+    data = budget.to_xarray()
+    assert data.density.dims == ("frequency", "output", "source")
+    np.testing.assert_array_equal(data.density.sel(output="speed", source="push"), budget.spectrum("speed"))
+    assert list(budget.to_pandas().columns) == ["frequency", "density[speed, push]", "below[speed, push]"]
+    times = np.linspace(0, 0.5, 6)
+    nominal = fm.trajectory.inverse_dynamics(model, {"cart.x": fm.trajectory.quintic(0.0, 0.01, 0.5)}, times)
+    data = nominal.to_xarray()
+    np.testing.assert_array_equal(data.nominal_input.sel(input="push"), nominal.u0[:, 0])
+    assert data.nominal_input.attrs["units"] == "N"
+    assert data.nominal_output.attrs["units"] == "m/s"
+    assert list(data.freedom) == ["cart.x"]
+    data = fm.trajectory.time_varying(nominal).to_xarray()
+    assert list(data.rate) == [f"d/dt {name}" for name in data.state.values]
+    np.testing.assert_allclose(data.A[0], [[0, 1], [-200.0 / 0.5 / 4, -1.0 / 0.5 / 4]], rtol=1e-12)
