@@ -1,4 +1,4 @@
-"""Responses to harmonic inputs: complex, by frequency, output and input, with derivatives."""
+"""Complex responses to harmonic inputs, by frequency, output and input, with derivatives."""
 
 import os
 from collections.abc import Iterable, Sequence
@@ -31,14 +31,14 @@ from .universal_file import Responses, read, write
 
 
 class FrequencyResponse(Labelled, Record):
-    """Complex response of outputs to harmonic inputs, y = H(i 2 pi f) u, by frequency and by names.
+    """Complex response of outputs to harmonic inputs: y = H(i 2 pi f) u.
 
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
         response: H, (n_f, n_y, n_u) [unit of the output / unit of the input].
         outputs: Names of the outputs.
         inputs: Names of the inputs.
-        output_ports, input_ports: Node, axis, quantity and unit of each; empty where they are not known.
+        output_ports, input_ports: Node, axis, quantity and unit of each output and input; empty if unknown.
     """
 
     hertz: Float[Array, "n_f"]
@@ -53,17 +53,17 @@ class FrequencyResponse(Labelled, Record):
         """Return the response of one output to one input, (n_f,) [unit of the output / unit of the input].
 
         Args:
-            output: Name of the output; optional if there is one.
-            input: Name of the input, likewise.
+            output: Name of the output; optional if there is only one.
+            input: Name of the input; optional if there is only one.
 
         Raises:
-            KeyError: Unknown output or input, or several and none is named.
+            KeyError: The output or the input is unknown, or there are several and none is named.
         """
         i, j = one_of("output", self.outputs, output), one_of("input", self.inputs, input)
         return self.response[..., i, j]
 
     def magnitude(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Return the amplitude of one output by one input, (n_f,) [unit of the output / unit of the input].
+        """Return the amplitude of one output per unit of one input, (n_f,) [unit of the output / unit of the input].
 
         Args:
             output, input: As for :meth:`of`.
@@ -71,7 +71,7 @@ class FrequencyResponse(Labelled, Record):
         return jnp.abs(self.of(output, input))
 
     def phase(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Return the phase by which one output leads one input, continuous from within pi, (n_f,) [rad].
+        """Return the phase lead of one output over one input, (n_f,) [rad]; continuous, and within pi at the first frequency.
 
         Args:
             output, input: As for :meth:`of`.
@@ -79,7 +79,7 @@ class FrequencyResponse(Labelled, Record):
         return jnp.unwrap(jnp.angle(self.of(output, input)))
 
     def quantities_by_name(self) -> Quantities:
-        """The complex response by frequency, output and input."""
+        """Return the complex response by frequency, output and input."""
         over = ("frequency", "output", "input")
         names = {"output": self.outputs, "input": self.inputs}
         along = {"frequency": Column(("frequency",), self.hertz, "Hz")}
@@ -94,14 +94,14 @@ class FrequencyResponse(Labelled, Record):
         return np.array([[ratio(*pair) if all(pair) else "" for pair in row] for row in pairs])
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write every response as a data set 58 of the universal file format, as text, in SI units.
+        """Write each response as a data set 58 of the universal file format: text, in SI units.
 
         Args:
-            path: Where; ends in .uff or .unv.
+            path: Path of the file; it ends in .uff or .unv.
 
         Raises:
             ImportError: pyuff is not installed.
-            ValueError: Another ending, fewer than two frequencies, or a response that is not finite.
+            ValueError: The path has another ending, there are fewer than two frequencies, or a response is not finite.
             OSError: The folder is missing or not writable.
 
         Warns:
@@ -119,24 +119,25 @@ class FrequencyResponse(Labelled, Record):
 
     @staticmethod
     def load(path: str | os.PathLike) -> "FrequencyResponse":
-        """Frequency responses of a universal file (data sets 58) in SI units, also measured ones.
+        """Read frequency responses from a universal file (data sets 58), in SI units; they may be measured.
 
         A file without a system of units (data set 164) is in SI units.
 
         Args:
-            path: Of the file.
+            path: Path of the file.
 
         Raises:
             ImportError: pyuff is not installed.
-            ValueError: There is no frequency response in it, or those in it have other frequencies or leave a gap.
-            OSError: It cannot be read.
+            ValueError: The file has no frequency response, its responses differ in frequencies, or a pair of output and input
+                is missing.
+            OSError: The file cannot be read.
         """
         held = read(path)
         numbers = jnp.asarray(held.hertz), jnp.asarray(held.response)
         return FrequencyResponse(*numbers, held.outputs, held.inputs, held.output_ports, held.input_ports)
 
     def summary(self) -> Summary:
-        """Return frequencies, names, and where each response is largest."""
+        """Return frequencies and names, and the frequency at which each response is largest."""
         hertz, sizes = np.asarray(self.hertz), np.abs(np.asarray(self.response))
         rows = {"frequencies": f"{len(hertz)}, {span(hertz, 'Hz')}"}
         rows |= {"outputs": listed(self.outputs), "inputs": listed(self.inputs)}
@@ -208,27 +209,27 @@ def frequency_response(
     time: float | None = None,
     increment: float | None = None,
 ) -> FrequencyResponse:
-    """Return the response of the outputs to harmonic inputs, at thousands of frequencies at once.
+    """Return the response of the outputs to harmonic inputs; thousands of frequencies take one call.
 
     The response includes the damping of the elements or of :func:`flexmb.damped`, and structural damping. Only a
-    response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with
-    their damping. About a state of motion the equations are constant.
+    response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with their
+    damping. About a state of motion, the response is of the equations with the matrices of this one state.
 
     Args:
         model: Mechanism, or its linearisation; differentiable in its parameters, also for repeated frequencies.
         hertz: Frequencies, (n_f,) [Hz]; differentiable.
-        inputs, outputs: Names of those wanted; all by default.
+        inputs, outputs: Names of the wanted inputs and outputs; all by default.
         loss_factor: Structural damping K0 (1 + i eta), at all frequencies including 0 Hz: one loss factor eta [-] for
             all elements, or by name or Material, as in :func:`flexmb.damped`.
-        method: "modes": a sum over all undamped modes, almost free for each frequency if damping does not couple them;
-            otherwise it solves for their amplitudes. "direct": a solution in the degrees of freedom at each frequency.
-            Both are exact but for round-off; "direct" keeps more digits if contributions of many modes cancel, as in an
-            internal stress by an internal actuator far below the resonances. By default "modes", or "direct" without
-            real modes: for an unsymmetric stiffness, about a state of motion, and with sparse matrices.
+        method: "modes" sums over all undamped modes. More frequencies then cost almost nothing, unless damping couples the
+            modes and their amplitudes must be solved for. "direct" solves for the degrees of freedom at each frequency. Both
+            are exact but for round-off. "direct" keeps more digits if the contributions of many modes cancel, such as in the
+            internal stress due to an internal actuator far below the resonances. By default "modes", or "direct" without real
+            modes: for an unsymmetric stiffness, about a state of motion, and with sparse matrices.
         sparse: Solve with sparse matrices at each frequency, in all coordinates of a model that needs no degrees of
             freedom; see :func:`flexmb.equilibrium`. By default chosen by size.
-        solver: "sparse" or "dense" for the same; a LinearSolver computes the motion carried along at rest, sparse
-            factors the complex solutions.
+        solver: "sparse" or "dense" for the same; a LinearSolver computes the static solution, and sparse factors compute the
+            complex solutions.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
@@ -237,16 +238,16 @@ def frequency_response(
 
     Raises:
         KeyError: Unknown input or output.
-        ModelError: The model names no inputs or no outputs, or an input that moves nothing.
-        ValueError: A frequency that is negative or not finite; a loss factor of elements without stiffness.
+        ModelError: The model names no inputs or no outputs, or an input moves nothing.
+        ValueError: A frequency is negative or not finite; an element with a loss factor has no stiffness.
         NotImplementedError: ``method="modes"`` for an unsymmetric stiffness or a motion.
-        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness or has a negative mass.
 
     Warns:
         FlexmbWarning: A response is infinite, or the equilibrium is not stable.
 
     Source:
-        THEORY.md 14, eq. (14.30) and (14.31); its derivative (14.32); of sparse matrices 7, eq. (7.15) and (7.18).
+        THEORY.md 14, eq. (14.30) and (14.31); derivative (14.32); sparse matrices 7, eq. (7.15) and (7.18).
     """
     check_choice("method", method, (None, "modes", "direct"))
     frequencies = check_hertz(hertz)

@@ -1,4 +1,4 @@
-"""Controllers with limits, delays, schedules and feedforward: functions that return what ``control=`` accepts."""
+"""Controllers with limits, delays, schedules and feedforward, for the argument ``control=`` of a simulation."""
 
 import dataclasses
 from collections.abc import Callable, Sequence
@@ -20,26 +20,26 @@ if TYPE_CHECKING:
 
 
 def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = None) -> Feedback | Sampled:
-    """Return a controller whose outputs stay within limits, as an amplifier's do, and whose integrators do not wind up.
+    """Return a controller with limited outputs, like an amplifier's, and with integrators that do not wind up.
 
     Beyond the limits the integrators of a linear controller are corrected, so that their outputs follow the limit with
     the time constant ``tracking``: z' = A z + B y + V (C V)^+ (sat(u) - u)/T, with the eigenvectors V of the
-    eigenvalues that do not decay. A sampled controller is corrected by the share 1 - exp(-h/T) per sample. Other states
-    stay.
+    eigenvalues that do not decay. For a sampled controller, the correction per sample has the factor 1 - exp(-h/T). Other
+    states do not change.
 
     Args:
         controller: Any ``control`` of :func:`flexmb.simulate`. For your own :class:`flexmb.motion.Feedback` or Sampled,
             ``windup`` is the correction.
-        limits: Largest size of every output, or smallest and largest value of each, (n_u, 2) [N, N m].
-        tracking: Time constant T [s]; ``np.inf`` lets integrators wind up. Required for a controller with integrators,
-            and only there.
+        limits: Largest absolute value of all outputs, or smallest and largest value of each, (n_u, 2) [N, N m].
+        tracking: Time constant T [s]; ``np.inf`` lets integrators wind up. Required for a controller with integrators;
+            otherwise not allowed.
 
     Returns:
         Feedback, or Sampled for a sampled controller.
 
     Raises:
-        ModelError: Wrong controller or limits; ``tracking`` is missing or not needed; a chain of integrators, which one
-            time constant cannot correct; or a traced A, whose integrators are not known.
+        ModelError: The controller or the limits are invalid; ``tracking`` is missing or not needed; integrators form a chain,
+            which one time constant cannot correct; A is traced, so that its integrators are unknown.
 
     Source:
         THEORY.md 14, eq. (14.41).
@@ -117,19 +117,19 @@ def _following(given: Feedback | Sampled, tracking: Any) -> Any:
 def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
     """Return a controller with functions of time added to its outputs.
 
-    ``inputs=`` of :func:`flexmb.simulate` adds them by name; here limits may act on the sum:
+    ``inputs=`` of :func:`flexmb.simulate` adds functions by name. With ``fed_forward``, limits may act on the sum:
     ``saturated(fed_forward(controller, law), limits)``.
 
     Args:
         controller: Any ``control`` of :func:`flexmb.simulate`.
-        law: Function of time that returns what is added to each output of the controller, (n_u,) [N, N m]; a
-            :class:`flexmb.motion.Table` is one. A sampled controller holds it between samples.
+        law: Function of time that returns the numbers to add to the outputs of the controller, (n_u,) [N, N m], such as a
+            :class:`flexmb.motion.Table`. A sampled controller keeps them constant between samples.
 
     Returns:
         Feedback, or Sampled for a sampled controller.
 
     Raises:
-        ModelError: Wrong controller; the law is no function or returns the wrong number of numbers.
+        ModelError: The controller is invalid; the law is no function or does not return n_u numbers.
 
     Source:
         Two degrees of freedom: u = law(t) + controller(reference - y), with the nominal inputs of THEORY.md 14 as law.
@@ -152,8 +152,8 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
     """Return a controller whose gains or matrices change along a trajectory, linearly between times.
 
     Args:
-        times: Ascending, (n_t,) [s]. Gains are constant before the first and after the last. A simulation need not stop
-            at the bends; name the times as ``jumps`` to stop there.
+        times: Ascending, (n_t,) [s]. Gains are constant before the first and after the last. A simulation does not stop at
+            these times unless ``jumps`` lists them.
         controllers: Gains at these times, (n_t,) for one output and one input of the mechanism, or (n_t, n_u, n_y); or
             systems of python-control with the same states.
 
@@ -161,11 +161,11 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
         Feedback, or Sampled for sampled systems.
 
     Raises:
-        ModelError: Times that do not ascend, a different number of controllers, or systems that differ in number of
-            states or signals, names or intervals.
+        ModelError: Times do not ascend, their number differs from the number of controllers, or systems differ in their number
+            of states or signals, names or sampling intervals.
 
     Source:
-        u = K(t) y, or z' = A(t) z + B(t) y, u = C(t) z + D(t) y; SPACAR's spacntrl has the first.
+        u = K(t) y (as spacntrl of SPACAR), or z' = A(t) z + B(t) y, u = C(t) z + D(t) y.
     """
     check_numbers("Argument `times`", times, fault=ModelError)
     at = jnp.asarray(times, float)
@@ -213,7 +213,7 @@ def _of_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Feedback 
 
 
 def delayed(controller: Any, delay: float, *, order: int | None = None) -> "control.StateSpace":
-    """Return a linear controller whose outputs are delayed, as by computing, buses and amplifiers.
+    """Return a linear controller with delayed outputs, such as by computing, buses and amplifiers.
 
     A sampled controller is delayed exactly, by whole samples; each adds one state per output. A continuous one is
     delayed by the Pade approximant of ``control.pade``, numerator and denominator of the same order n: its gain is one
@@ -222,13 +222,13 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
     Args:
         controller: System of python-control.
         delay: Time T [s].
-        order: Order of the approximant; required for a continuous controller, and only there.
+        order: Order of the approximant; required for a continuous controller, otherwise not allowed.
 
     Returns:
         ``control.StateSpace`` with the names of the controller.
 
     Raises:
-        ModelError: No linear system; a delay that is no whole number of samples; an order that is missing or not
+        ModelError: The controller is no linear system, the delay is no whole number of samples, or the order is missing or not
             needed.
         TypeError: Numbers of the controller or the delay are traced.
 

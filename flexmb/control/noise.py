@@ -39,8 +39,8 @@ class NoiseBudget(Labelled, Record):
     Attributes:
         hertz: Frequencies, (n_f,) [Hz].
         spectra: Power spectral density of each output by each source, (n_f, n_y, n_s) [unit^2/Hz].
-        below: Integral of each from the lowest frequency to each, (n_f, n_y, n_s) [unit^2].
-        variances: Square of the root mean square of each, (n_y, n_s) [unit^2].
+        below: Integral of each density from the lowest frequency to each frequency, (n_f, n_y, n_s) [unit^2].
+        variances: Mean square of each output by each source, (n_y, n_s) [unit^2].
         outputs: Names of the outputs.
         sources: Names of the sources.
     """
@@ -57,11 +57,11 @@ class NoiseBudget(Labelled, Record):
         """Return the root mean square of an output, () [unit of the output].
 
         Args:
-            output: Name of the output; optional if there is one.
-            source: One source; by default all together.
+            output: Name of the output; optional if there is only one.
+            source: Name of a source; by default all sources together.
 
         Raises:
-            KeyError: Unknown output or source.
+            KeyError: The output or the source is unknown.
         """
         return root_or_zero(self._part(self.variances, output, source))
 
@@ -78,7 +78,7 @@ class NoiseBudget(Labelled, Record):
         return self._part(self.spectra, output, source)
 
     def cumulative(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
-        """Return the root mean square of an output between the lowest frequency and each, (n_f,) [unit of the output].
+        """Return the root mean square of an output up to each frequency, (n_f,) [unit of the output].
 
         Args:
             output, source: As for :meth:`rms`.
@@ -96,7 +96,7 @@ class NoiseBudget(Labelled, Record):
         return Quantities(over[:1], along, {"density": Column(over, self.spectra), "below": Column(over, self.below)})
 
     def summary(self) -> Summary:
-        """Return the root mean square of each output, and the share of each source in its square."""
+        """Return the root mean square of each output, and the share of each source in its mean square."""
         rows = {"frequencies": span(self.hertz, "Hz"), "sources": listed(self.sources)}
         for name, variances in zip(self.outputs, np.asarray(self.variances), strict=True):
             total = float(np.sum(variances))
@@ -130,49 +130,52 @@ def noise_budget(
     time: float | None = None,
     increment: float | None = None,
 ) -> NoiseBudget:
-    """Return the noise of outputs by independent sources, through the mechanism and a controller around it.
+    """Return the noise of outputs due to independent sources, with or without a controller around the mechanism.
 
-    The root mean square is that between the first and the last of ``hertz``, by the trapezoidal rule, or within
-    ``band``, at frequencies that flexmb chooses. With neither, sources are white, and it is exact over all frequencies,
-    by Lyapunov's equation.
+    Three ways give the root mean square:
+
+    - ``hertz``: integrate between its first and last frequency by the trapezoidal rule;
+    - ``band``: integrate over the band, at frequencies that flexmb chooses;
+    - neither, for white sources: integrate over all frequencies, exactly, by Lyapunov's equation.
 
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
             parameters.
         hertz: Ascending frequencies, (n_f,) [Hz], dense enough to resolve every resonance.
         sources: One-sided power spectral densities [unit^2/Hz]: a number, an array, (n_f,), for ``hertz``, or a
-            function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to these, such as motion of
-            a floor, or "sensor " and the name of an output, for noise added to the controller's reading of it.
-        band: Lowest and highest frequency [Hz]. Frequencies between are denser beside each pole, and where a density
-            function bends or jumps; a band from 0 Hz starts at 1e-4 of the slowest pole. Lines of a density are found
-            if they extend 1e-3 of their frequency to each side; for narrower ones, and for densities that ``jax.jit``
-            traces, use ``hertz``.
+            function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to the input, such as the motion of
+            a floor. Or "sensor " and the name of an output, for noise added to the controller's reading.
+        band: Lowest and highest frequency [Hz]. flexmb chooses frequencies densely near each pole, and where a density function
+            bends or jumps. A band from 0 Hz starts at 1e-4 of the slowest pole. flexmb finds a peak of a density if it extends
+            1e-3 of its frequency to each side. For narrower peaks, and for densities that ``jax.jit`` traces, use ``hertz``.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
-            n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
-            for one by one. Matrices and results of functions may be traced. Stability of a loop with a function is not
-            known.
-        measured: Names of the outputs that the controller reads, in its order; by default its own names, or all.
-        driven: Names of the inputs that it drives, likewise.
+            n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,) for one
+            output and one input. Matrices and results of functions may be traced. If the controller is a function, flexmb does
+            not check the stability of the loop.
+        measured: Names of the outputs that the controller reads, in its order. Default: names of the controller's inputs, or
+            all outputs if it has no names.
+        driven: Names of the inputs that the controller drives, in its order. Default: names of the controller's
+            outputs, or all inputs.
         sign: -1 for u = -K y, as in ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
-        outputs: Names of the outputs wanted; all by default.
+        outputs: Names of the wanted outputs; all by default.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        NoiseBudget. A root mean square is infinite in three cases: white noise passes at once, as from a force to an
-            acceleration; it makes an output drift; or, under a trace, the loop is not stable.
+        NoiseBudget. A root mean square is infinite in three cases: white noise reaches the output directly, such as from
+            a force to an acceleration; white noise makes the output drift; or, under a trace, the loop is not stable.
 
     Raises:
-        AnalysisError: unstable: the mechanism, or the loop, does not come to rest, or has an undamped resonance within
-            the frequencies, so that its noise is unbounded; or a failure of the linearisation.
-        ModelError: Noise of a sensor that no controller reads; no outputs; an input that moves nothing.
-        KeyError: Unknown source, output or input.
-        ValueError: No sources; a density that is negative or has a wrong shape; neither ``hertz`` nor ``band`` for a
-            density that is no number; a controller that does not fit; under ``jax.jit`` a ``band`` with one that is a
-            function.
+        AnalysisError: unstable: the mechanism or the loop does not come to rest, or has an undamped resonance within the
+            frequencies, so that its noise is unbounded. Also failures of the linearisation.
+        ModelError: No controller reads a sensor with noise, there are no outputs, or an input moves nothing.
+        KeyError: A source, output or input is unknown.
+        ValueError: There are no sources; a density is negative or has a wrong shape; a density that is no number has
+            neither ``hertz`` nor ``band``; the controller does not fit; under ``jax.jit``, a ``band`` is combined with
+            a controller that is a function.
 
     Warns:
-        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a loop with
-            a controller function, or a density function, is too sharp to be resolved.
+        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a density function,
+            or a loop with a controller function, has peaks that are too sharp to resolve.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).

@@ -95,9 +95,9 @@ def to_nonlinear_system(
 ) -> "control.NonlinearIOSystem":
     """Return the nonlinear mechanism as a plant for ``control.input_output_response`` and similar functions.
 
-    States are the degrees of freedom, from the undeformed mechanism, and their rates. Inputs and outputs are those
-    named in the builder; rotations in space are measured from the undeformed mechanism. Each evaluation computes the
-    other coordinates from the coordinates of the last evaluation, in steps if the change is large.
+    States are the degrees of freedom, counted from the undeformed mechanism, and their rates. Inputs and outputs are the ones
+    named in the builder. Rotations in space count from the undeformed mechanism. Each evaluation solves for the other
+    coordinates, starting from the last evaluation, in steps if the change is large.
 
     Args:
         model: Mechanism with named inputs and outputs.
@@ -108,7 +108,7 @@ def to_nonlinear_system(
         control.NonlinearIOSystem with n_q degrees of freedom and their n_q rates as states [m, rad; m/s, rad/s].
 
     Raises:
-        ModelError: The model names no inputs or no outputs, an input that is a motion, or one that can move nothing.
+        ModelError: The model names no inputs or no outputs, or an input is a motion or can move nothing.
         TypeError: Numbers of the model are traced, as under ``jax.jit``.
         AnalysisError: out_of_reach, raised when the system is evaluated: the mechanism cannot be assembled there.
 

@@ -1,4 +1,4 @@
-"""Controllers for a mechanism that moves as one mass: PID by pole placement, and notch filters."""
+"""Controllers for a mechanism that moves like one mass: PID by pole placement, and notch filters."""
 
 from __future__ import annotations
 
@@ -68,27 +68,26 @@ def pid(
 ) -> control.StateSpace:
     """Return a PID controller with filter that places all poles of its loop with one moving mass.
 
-    The mechanism is one motion m q'' + d q' + k q = u, of a rigid body or of its lowest mode. With C(s) = (kd s^2 + kp
-    s + ki)/(s (T s + 1)) the loop has four poles. The four numbers of the controller put them at (s^2 + 2 zeta w s +
-    w^2)(s + slow w)(s + fast w), with w = 2 pi bandwidth. Check the whole model by :func:`closed_loop`.
+    The plant is one motion, m q'' + d q' + k q = u: a rigid body or the lowest mode of the mechanism. With C(s) = (kd s^2 + kp
+    s + ki)/(s (T s + 1)) the loop has four poles. The four numbers of the controller place them at (s^2 + 2 zeta w s + w^2)(s +
+    slow w)(s + fast w), with w = 2 pi bandwidth. Check the whole model by :func:`closed_loop`.
 
     Args:
         model: Mechanism or its linearisation, whose lowest mode is used; or a state space of one motion.
         bandwidth: Undamped frequency of the pair of poles [Hz].
-        damping: Their damping ratio zeta [-].
-        slow: The real pole of the integrator, over w [-]; 0 for a PD controller, without integrator.
-        fast: The real pole of the filter, over w [-]. A larger value costs less phase at the crossover, and passes more
+        damping: Damping ratio zeta of this pair [-].
+        slow: Real pole of the integrator divided by w [-]; 0 for a PD controller, without integrator.
+        fast: Real pole of the filter divided by w [-]. A larger value loses less phase at the crossover and passes more
             noise.
         input, output: Names of the model's signals, if it has several.
 
     Returns:
-        ``control.StateSpace`` that reads reference - y, with the names of the model; its states are the integrator
-            (none if
+        ``control.StateSpace`` that reads reference - y, with the names of the model. Its states are the integrator (none if
         ``slow`` is 0) and the filter.
 
     Raises:
-        ModelError: Unknown input or output, an output that is no position, a plant of more than one motion.
-        ValueError: Numbers out of range; the plant is damped more than the wanted poles.
+        ModelError: An input or output is unknown, the output is no position, or the plant has more than one motion.
+        ValueError: Numbers are out of range, or the plant is damped more than the wanted poles.
 
     Source:
         THEORY.md 14, eq. (14.43), by comparing coefficients.
@@ -146,20 +145,20 @@ def _chosen(name: str | None, there: list[str], what: str) -> int:
 def notch(frequency: float, depth: float = 0.1, width: float = 1.0) -> control.TransferFunction:
     """Return a filter that lowers the gain at one frequency, where a resonance would make a loop unstable.
 
-    N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and one
-    far from it. A depth above one is a peak. A product in python-control loses the names:
-    ``control.ss(pid * fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
+    N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and 1 far from w.
+    A depth above 1 gives a peak. A product in python-control loses the names, so give them again: ``control.ss(pid *
+    fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
 
     Args:
-        frequency: Its centre [Hz].
-        depth: Gain there [-].
-        width: Distance of the frequencies of half power, for a deep notch, over the centre [-].
+        frequency: Centre of the notch [Hz].
+        depth: Gain at the centre [-].
+        width: Distance between the frequencies of half power (of a deep notch), divided by the centre [-].
 
     Returns:
         ``control.TransferFunction``.
 
     Raises:
-        ValueError: Numbers that are not positive.
+        ValueError: A number is not positive.
 
     Source:
         THEORY.md 14, eq. (14.44).

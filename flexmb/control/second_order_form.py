@@ -1,4 +1,4 @@
-"""The linearised mechanism in second-order form, with the effects of its inputs and its outputs."""
+"""The linearised mechanism in second-order form, with input and output matrices."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -36,17 +36,17 @@ from .held import Held, about_axes, held_by, held_of, moved_by, seeds, with_held
 class SecondOrder(NamedTuple):
     """M q'' + C q' + K q = B0 p + B1 p' + B2 p'',  y = C0 q + C1 q' + C2 q'' + D0 p + D1 p' + D2 p''.
 
-    p is the input u itself. For an input that is the velocity or acceleration of a held coordinate, p is the
-    displacement, and u its derivative of order ``orders``. In the frequency domain, with s = i w, for input j: q = (s^2
+    p equals the input u, with one exception. If u is the velocity or acceleration of a constrained coordinate, p is its
+    displacement, and u is the derivative of p of order ``orders``. In the frequency domain, with s = i w, for input j: q = (s^2
     M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
 
     Attributes:
         M, C, K: Mass, damping and stiffness of the degrees of freedom, (n_q, n_q) [SI].
-        B0, B1, B2: Effects of p and its rates on them, (n_q, n_u).
+        B0, B1, B2: Effects of p and its rates on the degrees of freedom, (n_q, n_u).
         C0, C1, C2: Outputs by the degrees of freedom and their rates, (n_y, n_q).
         D0, D1, D2: Outputs by p and its rates, (n_y, n_u).
-        orders: Order of the derivative of p that each input is, 0, 1 or 2, (n_u,); plain numbers.
-        moves: Whether each input moves a held coordinate, and is no force, (n_u,); plain booleans.
+        orders: Order of the derivative of p that equals each input: 0, 1 or 2, (n_u,); plain numbers.
+        moves: Whether each input moves a constrained coordinate, instead of being a force, (n_u,); plain booleans.
     """
 
     M: Float[Array, "*t n_q n_q"]
@@ -65,7 +65,7 @@ class SecondOrder(NamedTuple):
     moves: np.ndarray
 
     def at(self, s: complex) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Return K, B, C and D of one state at s = i w: the output by u is C K^-1 B + D.
+        """Return K, B, C and D of one state at s = i w; the response of y to u is C K^-1 B + D.
 
         Args:
             s: i w [rad/s]; not zero if an input is a velocity or an acceleration.
@@ -131,14 +131,14 @@ def second_order(lin: Linearization) -> SecondOrder:
     """Return the second-order form of a linearised mechanism, for the model's named inputs and outputs.
 
     Args:
-        lin: Linearization; along a motion, times are the first axis. Differentiable in the model's parameters.
+        lin: Linearization, differentiable in the model's parameters. Along a motion, times are the first axis.
 
     Returns:
         SecondOrder.
 
     Source:
-        THEORY.md 14, eq. (14.1) to (14.4). Held coordinates are freedoms in the equations about the state, whose
-            stiffness includes constraint forces. Columns of moved coordinates go to the right-hand side.
+        THEORY.md 14, eq. (14.1) to (14.4). The equations about the state are set up with constrained coordinates
+            free, and their stiffness includes constraint forces. Columns of moved coordinates go to the right-hand side.
     """
     model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())

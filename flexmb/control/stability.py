@@ -1,4 +1,4 @@
-"""A linear controller around the linearised mechanism: poles, stability and margins, by python-control."""
+"""Closed loop of the linearised mechanism and a linear controller: poles, stability and margins, by python-control."""
 
 from __future__ import annotations
 
@@ -50,16 +50,16 @@ ROW = 4096
 
 @dataclasses.dataclass(frozen=True)
 class Margins:
-    """Distance of a loop from instability, opened at one input of the mechanism with all others closed.
+    """Distance of a loop from instability; the loop is opened at one input of the mechanism, all others stay closed.
 
     Attributes:
-        input: Input at which it is opened.
-        gain: Factor of the gain that makes it unstable, the nearest to one, above or below [-].
+        input: Input at which the loop is opened.
+        gain: Factor on the gain that makes the loop unstable; of several, the one nearest to 1, above or below [-].
         gain_hertz: Frequency of this instability [Hz]; infinite for a direct feedthrough.
-        phase: Phase that may be lost at the crossover [degrees].
+        phase: Phase that the loop may lose at the crossover [degrees].
         crossover: Frequency at which the gain of the open loop is one [Hz].
         modulus: Smallest distance of the open loop from -1 [-].
-        modulus_hertz: Frequency of it [Hz].
+        modulus_hertz: Frequency of this smallest distance [Hz].
     """
 
     input: str
@@ -78,11 +78,12 @@ class ClosedLoop(Result):
     Attributes:
         system: From the reference of every output to the outputs, ``control.StateSpace`` with the names of the model;
             sampled if the controller is.
-        opened: From the controller's error to the outputs, the loop opened at the mechanism's outputs.
-        poles: Poles, the slowest to decay first, (n,) [rad/s]; for a sampled loop, poles of a continuous loop with the
-            same values at the samples.
-        margins: One for each input of the mechanism.
-        uncertainty: Round-off of each pole, (n,) [rad/s], at most 1e-9 of the fastest; coinciding poles may exceed it.
+        opened: Open loop, from the controller's error to the mechanism's outputs.
+        poles: Poles, the slowest to decay first, (n,) [rad/s]. For a sampled loop: poles of a continuous loop with the same
+            values at the samples.
+        margins: Margins for each input of the mechanism.
+        uncertainty: Round-off of each pole, (n,) [rad/s], at most 1e-9 of the fastest pole. The round-off of coinciding
+            poles may be larger.
     """
 
     system: control.StateSpace
@@ -107,7 +108,7 @@ class ClosedLoop(Result):
         return self.poles[np.real(self.poles) > self.uncertainty]
 
     def summary(self) -> Summary:
-        """Return whether it is stable, its slowest pole, and its margins."""
+        """Return whether the loop is stable, its slowest pole, and its margins."""
         rows = {"growth": f"{short(self.growth)} 1/s", "poles": listed([f"{p:.4g}" for p in self.poles], "rad/s")}
         for margins in self.margins:
             rows[f"margins at {margins.input}"] = (
@@ -121,29 +122,29 @@ class ClosedLoop(Result):
 def closed_loop(model: Model | Linearization | control.StateSpace, controller: Any, *, sign: int = -1) -> ClosedLoop:
     """Return the linear loop of a mechanism and a controller, with its poles and margins.
 
-    An unstable loop is warned of. :func:`flexmb.simulate` does not check this, which would take a fifth of its compile
-    time; there a motion that runs away raises by name.
+    flexmb warns if the loop is unstable. :func:`flexmb.simulate` does not check the stability, which would take a fifth of its
+    compile time; it raises an error if the motion runs away.
 
     Args:
-        model: Mechanism about its equilibrium, its linearisation such as that by :func:`flexmb.damped`, or a state
-            space of it such as ``fm.to_statespace(model, bandwidth=300.0)``.
-        controller: System of python-control from the outputs to the inputs, continuous or sampled, connected by names
-            or in order as ``control`` of :func:`flexmb.simulate`. A sampled one reads the mechanism at its samples, an
-            acceleration or force with its previous output, and holds its output between.
-        sign: -1 for a controller that reads reference - y, as with ``reference`` of :func:`flexmb.simulate`; 1 for the
-            outputs y themselves.
+        model: Mechanism, linearised about its equilibrium; or a linearisation, such as from :func:`flexmb.damped`; or a state
+            space, such as ``fm.to_statespace(model, bandwidth=300.0)``.
+        controller: System of python-control from the outputs to the inputs, continuous or sampled. It is connected by names or
+            in order, like ``control`` of :func:`flexmb.simulate`. A sampled controller reads the mechanism at its samples and
+            keeps its output constant in between. An acceleration or force that it reads still belongs to its previous output.
+        sign: -1 for a controller that reads reference - y, as with ``reference`` of :func:`flexmb.simulate`; 1 for a
+            controller that reads y.
 
     Returns:
         ClosedLoop.
 
     Raises:
-        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system, or does not fit the model; the
-            state space of the mechanism is sampled, or numbers of it or of the controller are not finite.
+        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system or does not fit the model; the state
+            space of the mechanism is sampled; numbers of the mechanism or the controller are not finite.
         TypeError: Numbers of the controller or the model are traced.
-        ValueError: Another ``sign``.
+        ValueError: ``sign`` is neither -1 nor 1.
 
     Warns:
-        FlexmbWarning: The loop is unstable, with its pole and the time in which it doubles.
+        FlexmbWarning: The loop is unstable. The message states the pole and the time in which the motion doubles.
 
     Source:
         THEORY.md 14, eq. (14.40); ``control.feedback``, ``control.sample_system``.
