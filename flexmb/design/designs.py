@@ -17,10 +17,10 @@ DesignCount = Annotated[int, partial(check_whole, least=1, most=MOST)]
 
 
 class Designs(Result, dict[str, np.ndarray]):
-    """Dimensions by name, each with the designs along its first axis.
+    """Dimensions of many designs by name; the first axis of each array counts the designs.
 
     Attributes:
-        axes: Values along each axis of a grid by name, the last running fastest; empty without a grid.
+        axes: Values along each axis of a grid by name; the last axis varies fastest. Empty without a grid.
     """
 
     axes: dict[str, np.ndarray]
@@ -58,14 +58,14 @@ class Designs(Result, dict[str, np.ndarray]):
 
 
 def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
-    """Every combination of values of the dimensions.
+    """Return every combination of the values of the dimensions.
 
     Args:
         axes: Values of each dimension by name, (n,) [SI].
         named: The same as keywords.
 
     Returns:
-        Designs, the last axis running fastest.
+        Designs; the last axis varies fastest.
 
     Raises:
         ValueError: An axis is empty or no list of numbers, or there are more than ten million combinations.
@@ -100,7 +100,7 @@ def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
 def latin_hypercube(
     count: DesignCount, bounds: Mapping[str, Any] | None = None, /, *, seed: WholeFromZero = 0, **named: Any
 ) -> Designs:
-    """Designs that cover the bounds evenly: each of ``count`` slices of every dimension contains one.
+    """Return designs that cover the bounds evenly: each of ``count`` slices of every dimension contains one design.
 
     Args:
         count: Number of designs.

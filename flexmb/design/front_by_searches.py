@@ -1,4 +1,4 @@
-"""Pareto front of two criteria of a design by searches, such as a nominal value against a percentile."""
+"""Pareto front of two criteria by searches with derivatives, such as a nominal value against a percentile."""
 
 from collections.abc import Mapping
 from functools import partial

@@ -1,4 +1,4 @@
-"""Whether a model is too lean for a question."""
+"""Check whether a model is too lean for a question."""
 
 from collections.abc import Sequence
 
@@ -23,10 +23,10 @@ CLAMPED = 4.730040744862704
 
 @one_thread()
 def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: Sequence[str] = ()) -> tuple[str, ...]:
-    """Reasons why a model is too lean for a question; empty if none was found.
+    """Return the reasons why a model is too lean for a question; empty if there are none.
 
-    Two reasons are checked: FIXED deformations with a known stiffness, all released at once, and SPACAR beams that
-    vibrate between their ends.
+    flexmb checks two reasons: FIXED deformations with a known stiffness, which it releases all at once, and SPACAR beams
+    that vibrate between their ends.
 
     Args:
         model: Mechanism.
@@ -38,12 +38,12 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
         Reasons, each with a remedy.
 
     Raises:
-        ModelError: The model is none, bandwidth or tolerance is not positive and finite, or a node does not exist.
-        AnalysisError: The equilibrium fails or is unstable, of the model or with those deformations released.
+        ModelError: ``model`` is no Model, bandwidth or tolerance is not positive and finite, or a node does not exist.
+        AnalysisError: The equilibrium of the model, or of the model with released deformations, fails or is unstable.
 
     Source:
-        Vibrations with both ends held, beside static shapes: Craig, Bampton (1968), AIAA Journal 6, 1313. The distance
-        to the band is our choice.
+        Vibrations with both ends clamped, beside static shapes: Craig, Bampton (1968), AIAA Journal 6, 1313. The distance to
+        the band is our choice.
     """
     if not isinstance(model, Model):
         raise ModelError(f"Argument `model` must be a Model, not {type(model).__name__}.")

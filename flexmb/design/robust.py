@@ -45,7 +45,7 @@ class Robustness(Result):
     Attributes:
         nominal: Answers of the nominal design, by name [their units].
         limits: Lower and upper limit by name, None for no limit.
-        fraction: Yield: Estimate of the share of mechanisms with answers within all limits [-].
+        fraction: Yield: estimated share of mechanisms with answers within all limits [-].
         fractions: Estimate of the share of mechanisms within the limits of each answer, by name [-].
         samples: Sweep of the mechanisms.
         level: Level of the confidence intervals [-].

@@ -48,14 +48,14 @@ class Sweep(Labelled):
         """Return one number of every design.
 
         Args:
-            name: Name of a dimension or an answer, or of an entry of an array as "frequencies[0]".
+            name: Name of a dimension or an answer, or of an entry of an array, such as "frequencies[0]".
 
         Returns:
             (designs,), also of a grid [its unit].
 
         Raises:
             KeyError: There is no such name.
-            ValueError: It has several numbers a design.
+            ValueError: The dimension or answer has several numbers per design.
         """
         known = {**self.designs, **self.answers}
         entry = re.fullmatch(r"(.+)\[(\d+(?:, ?\d+)*)\]", name) if isinstance(name, str) else None
@@ -81,7 +81,7 @@ class Sweep(Labelled):
         return self.units.get(name, self.units.get(name.rpartition("[")[0], ""))
 
     def selected(self, rows: Any) -> "Sweep":
-        """Return a sweep of some designs, which is no grid.
+        """Return a sweep of some of the designs; its ``axes`` are empty.
 
         Args:
             rows: Numbers of the designs from 0, or True for each wanted design, (k,).
@@ -104,7 +104,7 @@ class Sweep(Labelled):
 
         Raises:
             KeyError: There is no such name.
-            ValueError: No criterion, a repeated one, or an array without its entry; or no design has answers.
+            ValueError: There is no criterion, a criterion is repeated, an array has no entry number, or no design has answers.
 
         Source:
             Definition: a design is left out if another one is no worse in all criteria and better in one.
@@ -125,7 +125,7 @@ class Sweep(Labelled):
         return Front(self, rows[np.lexsort(costs[rows].T[::-1])], criteria, len(self.codes) - len(known))
 
     def table(self, rows: int = ROWS) -> str:
-        """Return dimensions, answers of one number and results as text, with one row a design.
+        """Return dimensions, answers of one number and results as text, with one row per design.
 
         Args:
             rows: Largest number of rows.
@@ -163,10 +163,10 @@ class Sweep(Labelled):
         """Write a .npz or .mat with all dimensions and answers by name, "codes", and "about" (units) as JSON.
 
         Args:
-            path: Path with one of these endings.
+            path: Path of the file; it ends in .npz or .mat.
 
         Raises:
-            ValueError: Another ending.
+            ValueError: The path has another ending.
             OSError: The folder is missing or not writable.
         """
         arrays = {name: self[name] for name in (*self.designs, *self.answers)}
@@ -220,7 +220,7 @@ class Front(Labelled):
 
     Attributes:
         whole: Sweep with all designs.
-        rows: Their numbers in it, from 0, (front,), the best in the first criterion first.
+        rows: Numbers in ``whole`` of the designs on the front, from 0, (front,); the best in the first criterion first.
         criteria: "minimize" or "maximize" by name.
         left_out: Number of designs without answers.
     """

@@ -113,7 +113,7 @@ def tolerances(
         deviations: Standard deviations by name of the dimension [SI], for independent normal distributions. Or a
             Scatter from :func:`flexmb.scatter`, which may include parameters beside the dimensions.
         second_order: Whether to compute mean, deviation and interval by second derivatives too, with their error.
-        samples: Number of random designs to compute exactly too; 0 for none.
+        samples: Number of random designs whose answers are computed exactly; 0 for none.
         seed: Seed of the random numbers.
 
     Returns:

@@ -20,7 +20,7 @@ class Combination(NamedTuple):
         choices: Values by name.
         labels: Their labels, by name.
         tuned: Best design with them; None if the search could not begin.
-        result: Code of RESULTS: of the search, or of the failed beginning.
+        result: Code of RESULTS of the search, or of the analysis that failed at the start.
         reason: Reason in words.
     """
 
