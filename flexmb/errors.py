@@ -72,7 +72,7 @@ class StudyError(ValueError):
 
 
 class FlexmbWarning(UserWarning):
-    """A request is legal and answered, but probably not what was meant."""
+    """A call is valid and returns an answer, but is probably not what you meant."""
 
 
 class BeamTheoryWarning(FlexmbWarning):

@@ -1,4 +1,4 @@
-"""Global settings of JAX that one call of the user switches on; importing flexmb changes none."""
+"""Global settings of JAX. A call of the user switches them on; importing flexmb changes none."""
 
 import contextlib
 import os
@@ -70,16 +70,16 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     """Keep compiled code on disk, so that a new process starts quickly.
 
     A new process loads programs of this package without tracing them, unless functions or objects of yours take part.
-    flexmb does not notice replaced functions or numbers of packages: choose another folder if you replace any.
+    flexmb does not notice if you replace functions or numbers inside packages: choose another folder then.
 
     Errors that equinox and diffrax check at run time become NaN in the whole process, because code that raises cannot
     be kept; the environment variable ``EQX_ON_ERROR`` overrides this. Once an hour this call removes files beyond 2 GB
     in total, longest unused first.
 
     Args:
-        folder: A folder of its own that belongs to you and that no one else can write to; by default
+        folder: Folder for this purpose alone, which belongs to you and to which no one else can write; by default
             :func:`cache_folder`.
-        thorough: Compile for half the run time in twice the compile time, which pays for kept code.
+        thorough: Compile code that runs in half the time and takes twice as long to compile. This pays off for kept code.
 
     Returns:
         The folder.

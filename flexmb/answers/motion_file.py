@@ -12,18 +12,18 @@ from ..results import RESULTS
 
 
 def save_motion(motion: Motion, path: str | os.PathLike) -> None:
-    """Save a motion whole: times, coordinates, rates, deformations, stresses, reactions, energies, and their names.
+    """Save a motion with its times, coordinates, rates, deformations, stresses, reactions, energies, and their names.
 
-    Arrays are those of :class:`flexmb.motion.Motion` and :class:`flexmb.motion.Observed` by their names, times first;
-    "x_names" and "e_names" say what their columns are, "u_names" those of a controller's inputs; "about" is JSON with
-    units, form, solver, steps and result. Times that were not reached are left out.
+    The file stores the arrays of :class:`flexmb.motion.Motion` and :class:`flexmb.motion.Observed` under their names; times are
+    the first axis. "x_names" and "e_names" are the names of the columns, "u_names" of the columns of a controller's inputs.
+    "about" is JSON with units, form, solver, steps and result. Times that the motion did not reach are left out.
 
     Args:
         motion: Motion.
-        path: Where; ends in .npz or .mat.
+        path: Path of the file; it ends in .npz or .mat.
 
     Raises:
-        ValueError: Another ending.
+        ValueError: The path has another ending.
         OSError: The folder is missing or not writable.
     """
     if not isinstance(motion, Motion):

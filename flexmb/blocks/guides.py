@@ -1,8 +1,7 @@
 """Guides: stages on parallel leaf springs that move along one line or two.
 
-Drive stiffnesses are those of clamped beams in sway, THEORY.md 13, eq. (13.1), in parallel and in series. Blocks
-consist of leaf springs, which are plates near their clamps. This makes them stiffer by one factor, eq. (13.9): 1.04 for
-a width of a fifth of the length.
+Drive stiffnesses follow from clamped beams in sway, in parallel and in series: THEORY.md 13, eq. (13.1). Near its clamps a leaf
+spring acts as a plate. This multiplies its stiffness by a factor, eq. (13.9): 1.04 if the width is a fifth of the length.
 """
 
 from typing import Any
@@ -55,11 +54,11 @@ def parallel_guide(
             that is uniform or varies smoothly, else a spectral beam.
 
     Returns:
-        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same of leaf 2, rigidly attached to base and
-        stage; elements "<name> leaf 1" and 2.
+        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same for leaf 2, rigidly attached to base and stage;
+        elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: No such base, a name that exists, or invalid directions; a size that is not positive.
+        ModelError: The base does not exist, a name exists already, a direction is invalid, or a size is not positive.
 
     Source:
         THEORY.md 13, eq. (13.1), (13.2), (13.9).
@@ -88,7 +87,7 @@ def double_parallel_guide(
 ) -> str:
     """Folded guide: a parallel guide that hangs in another one, so that the stage moves on a straighter line.
 
-    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One sinks as far as the other rises.
+    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One guide sinks as far as the other rises.
     Only the leaf springs hold the middle body along the line of motion.
 
     Args:

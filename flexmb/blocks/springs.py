@@ -1,4 +1,4 @@
-"""Springs that hold one direction and leave the others: folded leaf spring and wire flexure."""
+"""Springs that constrain one direction and leave the others free: folded leaf spring and wire flexure."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ def folded_leaf_spring(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Leaf spring with a fold: it holds its end along the fold line and leaves the five other motions.
+    """Leaf spring with a fold: it constrains its end along the fold line and leaves the five other motions free.
 
     If the end may turn, two equal legs at a right angle have the compliance 2 (length^3/(3 EIz) + length/(GA k)) +
     length^3/GIt along the fold line by beam theory, with EIz in the plane of a leg. Restrained warping makes them
@@ -43,7 +43,7 @@ def folded_leaf_spring(
         second: Length of the second leg, () [m]; by default equal to the first.
         fold: Angle by which the second leg turns from the first towards ``along`` × ``y``, () [rad].
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element. The first leg is parallel to
-            ``along``; the fold line is parallel to ``y``, in the plane across it.
+            ``along``; the fold line is parallel to ``y``, or perpendicular to a planar mechanism.
         at, along, y, element: The same.
 
     Returns:
@@ -82,7 +82,7 @@ def wire_flexure(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Wire: it holds its end along itself and leaves the five other motions.
+    """Wire: it constrains its end along the wire and leaves the five other motions free.
 
     Stiffness EA/length along it, 12 EI/length^3 across it if the end does not turn, GIt/length in torsion.
 

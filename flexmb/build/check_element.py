@@ -1,4 +1,4 @@
-"""Test of a user's element type: the laws that every element obeys, in states drawn about several references."""
+"""Test a user's element type against the laws that every element obeys, in random states near several references."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -53,8 +53,8 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
     """Test whether the functions of an element type obey the laws that analyses rely on.
 
     - Deformations are zero in the undeformed mechanism and do not change in rigid motion.
-    - First and second derivatives are right there, near it and away from it, by the coordinates, the undeformed ones
-      and the properties.
+    - First and second derivatives are right in the undeformed mechanism, near it and away from it: by the coordinates, by the
+      undeformed coordinates and by the properties.
     - Stress is the slope of the energy; stiffness and damping are symmetric.
     - Mass is symmetric and positive semidefinite, and rigid motion does not change the kinetic energy.
 
@@ -64,7 +64,7 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
         properties: Properties and options, as ``Builder.add`` takes them.
 
     Returns:
-        The tested laws, with their deviations; its text is a short report.
+        The tested laws, with their deviations. Printed, they are a short report.
 
     Raises:
         ModelError: Every law that fails, by name; a property that is missing, unknown or of the wrong kind; functions

@@ -42,16 +42,15 @@ class Share:
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Mobility(Result):
-    """Which constraints are redundant and which motions are left, with every named DOF held.
+    """Redundant constraints and free motions of a mechanism, with every named DOF constrained.
 
     Attributes:
         overconstraints: Number of independent states of self-stress.
-        underconstraints: Number of independent motions that no constraint and no DOF holds.
-        self_stress: One state of self-stress a column, in the order of e, (n_e, overconstraints) [N, N m].
-        motion: One motion a column, in the order of x, (n_x, underconstraints) [m, rad, -].
-        candidates: For each over-constraint the possible releases, after release of the over-constraints before it:
-            elastic deformations, otherwise deformations of joints and single supports. The first candidate leaves the
-            smallest self-stress.
+        underconstraints: Number of independent motions that no constraint and no DOF prevents.
+        self_stress: One state of self-stress per column, in the order of e, (n_e, overconstraints) [N, N m].
+        motion: One motion per column, in the order of x, (n_x, underconstraints) [m, rad, -].
+        candidates: Possible releases for each over-constraint, once the earlier ones are released: elastic deformations,
+            otherwise deformations of joints and single supports. The first candidate leaves the smallest self-stress.
         model: The mechanism.
     """
 
@@ -64,7 +63,7 @@ class Mobility(Result):
 
     @property
     def release(self) -> tuple[tuple[str, int | str] | None, ...]:
-        """For each over-constraint element and number, or node and coordinate; None between rigid elements."""
+        """Return the first release of each over-constraint as (element, number) or (node, coordinate), or None."""
         return tuple(own[0][:2] if own else None for own in self.candidates)
 
     @property
@@ -74,23 +73,23 @@ class Mobility(Result):
         return "both" if over and under else "overconstrained" if over else "underconstrained" if under else "ok"
 
     def stresses(self, mode: int = 0) -> list[Share]:
-        """Elements that take part in a state of self-stress, largest first.
+        """Return the elements that take part in a state of self-stress, largest first.
 
         Args:
-            mode: Which, from 0.
+            mode: Number of the state, from 0.
         """
         return shares(self.self_stress[:, mode], self.model.labels.e)
 
     def motions(self, mode: int = 0) -> list[Share]:
-        """Nodes that take part in a motion, largest first.
+        """Return the nodes that take part in a motion, largest first.
 
         Args:
-            mode: Which, from 0.
+            mode: Number of the motion, from 0.
         """
         return shares(self.motion[:, mode], self.model.labels.x)
 
     def states(self) -> States:
-        """The undeformed mechanism, and what part each element has in every state of self-stress."""
+        """Return the undeformed mechanism, with the share of each element in every state of self-stress."""
         if not self.overconstraints:
             return self.model.states()._replace(shares=())
         parts: list[dict[str, float]] = [{} for _ in range(self.overconstraints)]
@@ -106,7 +105,7 @@ class Mobility(Result):
         return States(self.model, self.model.parameters.reference, "self-stress", shares=parts, titles=titles)
 
     def summary(self) -> Summary:
-        """How many over- and under-constraints there are, and who takes part."""
+        """Return the number of over- and under-constraints, and the nodes and elements that take part."""
         rows = dict(title.split(": ", 1) for title in self.states().titles)
         for i in range(self.underconstraints):
             rows[f"free motion {i + 1}"] = ", ".join(f"{s.of}.{s.symbol}" for s in self.motions(i)[:AT_MOST])
@@ -115,7 +114,7 @@ class Mobility(Result):
         return Summary(title, rows, "self_stress" if self.overconstraints else "mechanism")
 
     def report(self) -> str:
-        """What is over- and under-constrained, by name, and what to release."""
+        """Return the over- and under-constrained parts by name, and the releases to try."""
         lines = [f"over-constraints: {self.overconstraints}, under-constraints: {self.underconstraints}"]
         for i in range(self.overconstraints):
             parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.stresses(i))
@@ -263,7 +262,7 @@ def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
 
 @unguarded
 def mobility(model: Model) -> Mobility:
-    """Find over- and under-constraints of the undeformed mechanism, with every named DOF held.
+    """Find over- and under-constraints of the undeformed mechanism, with every named DOF constrained.
 
     Args:
         model: Mechanism, checked or not (``Builder.build(check=False)``).

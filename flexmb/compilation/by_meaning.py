@@ -1,4 +1,4 @@
-"""Compiled code that functions with the same operations and different numbers share."""
+"""Compile functions of equal operations once: functions that differ only in numbers share compiled code."""
 
 import dataclasses
 import functools
@@ -20,7 +20,7 @@ NUMBERS = (bool, int, float, complex, np.ndarray, np.generic, jax.Array)
 
 
 def jit(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function of pytrees of arrays, quickly if it is called with concrete numbers.
+    """Compile a function of pytrees of arrays; calls with concrete numbers compile quickly.
 
     Two things differ from ``jax.jit``. Compiler options favour a quick compilation, or a quick run if compiled code is
     kept on disk (see :func:`flexmb.enable_cache`). A function that is defined again, such as in a cell of a
@@ -29,7 +29,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     JAX accepts compiler options only at the outermost call. Under a trace the function is compiled with its caller.
 
     Args:
-        function: Function of pytrees of arrays; arguments given by keyword are options that choose code.
+        function: Function of pytrees of arrays. Keyword arguments are options; flexmb compiles the function for each value of
+            them.
 
     Returns:
         The compiled function.
