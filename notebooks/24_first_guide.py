@@ -44,7 +44,7 @@ model = b.build()
 ax = fm.plot.mechanism(model, names=True)
 
 # %% [markdown]
-# The first frequency belongs to the motion that the guide is made for. The next ones are far higher.
+# The first frequency belongs to the intended motion of the guide. The next frequencies are far higher.
 
 # %%
 frequencies = fm.frequencies(model)
@@ -54,9 +54,9 @@ print("frequencies [Hz]:", np.round(frequencies[:3], 2))
 figure = fm.plot.modes(fm.modes(model))
 
 # %% [markdown]
-# Beam theory gives the first frequency in closed form. Each leaf spring has the stiffness $12EI/L^3$, and 13/35 of its
-# mass moves along. Clamps keep a leaf spring flat across its width, so the guide is 3 to 4 % stiffer than two beams,
-# and its frequency is 1.5 to 2 % higher.
+# Beam theory gives the first frequency in closed form. Each leaf spring has the stiffness $12EI/L^3$ and adds 13/35
+# of its mass to the stage. The clamps keep a leaf spring flat across its width. Therefore the guide is 3 to 4 %
+# stiffer than two beams. Its frequency is 1.5 to 2 % higher.
 #
 # Next page: [a large stroke and its stress](25_first_stroke.ipynb).
 

@@ -37,7 +37,8 @@ model = b.build()
 path = fm.path(model)
 
 # %% [markdown]
-# A path is a sequence of equilibrium states. A question in words gives one answer for each state.
+# A path is a sequence of equilibrium states. You ask for a quantity by its name, such as `"force B.x"`. The answer
+# has one value for each state.
 
 # %%
 ax = fm.plot.path(path, x="displacement B.x", y="force B.x")
@@ -55,8 +56,9 @@ end = path.linearization()
 ax = fm.plot.stress(fm.stress(model, at=end), end)
 
 # %% [markdown]
-# By beam theory the surface stress at a clamp of a leaf spring in sway is $3Et\,u/L^2$, which holds for small strokes.
-# The clamp keeps the leaf spring flat across its width, which makes it stiffer by $1/(1-\nu^2)$ there.
+# The stage moves sideways by $u$ and does not turn. For small strokes, beam theory then gives the surface stress
+# $3Et\,u/L^2$ at a clamp. The clamp keeps the leaf spring flat across its width. There the leaf spring is stiffer by
+# the factor $1/(1-\nu^2)$.
 #
 # Next page: [tune a dimension](26_first_tuning.ipynb).
 

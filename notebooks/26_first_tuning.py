@@ -37,7 +37,8 @@ def guide(thickness, length=0.1):
 
 
 # %% [markdown]
-# Sensitivities say which dimension matters: the change of an answer in percent for one percent of a dimension.
+# A sensitivity is the change of an answer in percent, if a dimension changes by one percent. Sensitivities show which
+# dimension matters.
 
 # %%
 answers = {"frequency": lambda model: fm.frequencies(model)[0]}
@@ -57,8 +58,9 @@ print(found)
 ax = fm.plot.mechanism(guide(**found.dimensions), names=True)
 
 # %% [markdown]
-# The stiffness of a leaf spring grows with the cube of its thickness, so the frequency grows with its power 1.5. The
-# mass of the leaf springs is small. Hence the thickness is close to $0.5\,\mathrm{mm}\,(15/f)^{2/3}$.
+# The stiffness of a leaf spring is proportional to the cube of its thickness. The mass of the leaf springs is small.
+# The frequency is therefore proportional to the thickness to the power 1.5. If the frequency is $f$ at 0.5 mm, the
+# thickness for 15 Hz is close to $0.5\,\mathrm{mm}\,(15/f)^{2/3}$.
 #
 # Where to go from here: [the manual and all notebooks](README.md).
 
