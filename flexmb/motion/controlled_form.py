@@ -27,8 +27,9 @@ class Feedback(Record):
         output: ``u = output(t, z, y)``, (n_u,) [N, N m].
         rate: ``dz/dt = rate(t, z, y)``, (n_z,); None for a controller without states.
         start: States at the start, (n_z,).
-        windup: Rate of the states per excess of the inputs over their limits, (n_z, n_u), or a table of it over time.
-            :func:`flexmb.control.saturated` uses it to stop integrators from winding up. None if nothing winds up.
+        windup: Rate of the states per excess of the inputs over their limits, (n_z, n_u), or a Table of this rate over
+            time. :func:`flexmb.control.saturated` uses it to stop integrators from winding up. None if nothing winds
+            up.
         reads, drives: Names of the connected outputs and inputs; None to connect all in order.
     """
 

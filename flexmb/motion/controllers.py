@@ -23,7 +23,7 @@ UNNAMED = ("u[", "y[")
 
 
 class Sampled(Record):
-    """A controller that acts at equal intervals from the start of a simulation; it holds its output in between.
+    """A controller that acts at equal intervals from the start of a simulation; its output is constant in between.
 
     Attributes:
         step: ``u, z_next = step(t, z, y)``: inputs of the mechanism, (n_u,) [N, N m], from its outputs at the sample,

@@ -62,7 +62,7 @@ class Driven(Record):
 
 
 class Table(Record):
-    """Piecewise linear function of time; a simulation steps onto its times.
+    """Piecewise linear function of time. The steps of a simulation end at its times.
 
     Attributes:
         times: Ascending times, (n,) [s].

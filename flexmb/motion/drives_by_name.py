@@ -24,7 +24,7 @@ from .drive import MOMENTS, Driven, Table, has_table
 
 
 class Drives(Record):
-    """What depends on time in a simulation. :func:`simulate` accepts each attribute as a keyword too.
+    """Functions of time in a simulation. :func:`simulate` accepts each attribute as a keyword too.
 
     Attributes:
         loads: Loads as functions of time, by name; they add to constant loads. A :class:`Table` is a piecewise linear
@@ -32,16 +32,17 @@ class Drives(Record):
 
             - "tip.x": force at a coordinate [N]; "leaf.e2": stress resultant added at a deformation;
             - "tip": force components at a node, (axes,) [N]; "tip.rotation": moment about global axes [N m];
-            - "leaf.temperature": change of temperature, or (2,) for both ends [K]; "leaf.gradient": its gradient across
+            - "leaf.temperature": change of temperature, or (2,) for both ends [K]; "leaf.gradient": gradient across it
               [K/m]. Both need :meth:`flexmb.Builder.temperature`.
         motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations, by names such as
             "tip.x", "tip.rotation" or "leaf.e1"; twice differentiable functions of time.
         inputs: Named inputs of the model (forces, moments, stresses) as functions of time. They add to loads and to a
             controller's inputs.
         increment: Factor of the incremental loads as a function of time; zero by default.
-        jumps: Times at which loads jump or bend, (k,) [s]. Times of tables are known, and pulses down to 1/10000 of the
-            time are found. Name shorter pulses, and those whose numbers ``jax.jit`` traces. Name a jump to
-            differentiate by its time; otherwise this derivative is zero, under ``jax.jit`` without a warning.
+        jumps: Times at which loads jump or bend, (k,) [s]. flexmb knows the times of tables, and finds pulses that are
+            at least 1/10000 of the whole time long. Name the times of shorter pulses, and of pulses whose numbers
+            ``jax.jit`` traces. To differentiate by the time of a jump, name this time; otherwise the derivative is
+            zero, under ``jax.jit`` without a warning.
     """
 
     loads: Mapping[str, Callable] | None = None

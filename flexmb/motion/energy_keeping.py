@@ -21,8 +21,8 @@ def _equations_of(terms: Any) -> EnergyEquations:
 class EnergyKeeping(SecondOrderSolver):
     """Implicit method of second order that keeps energy: forces do exactly the work that the elements store.
 
-    Energy is kept to round-off at any step for constant stiffness and constant forces. Nothing is damped: vibrations
-    that steps do not resolve persist. Needs ``form="coordinates"`` and no controller.
+    For constant stiffness and constant forces, the energy is constant to round-off, for any step size. The method damps
+    nothing: vibrations that the steps do not resolve persist. Needs ``form="coordinates"`` and no controller.
 
     Source:
         Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
@@ -30,7 +30,7 @@ class EnergyKeeping(SecondOrderSolver):
     """
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Return accelerations and multipliers at the start, and rates of the inertia vectors.
+        """Return accelerations and multipliers at the start, and the rates of the inertia vectors.
 
         Args:
             terms: Equations of motion.
@@ -48,9 +48,9 @@ class EnergyKeeping(SecondOrderSolver):
 
         Args:
             terms: Equations of motion.
-            t0: Begin [s].
-            t1: End [s].
-            y0: State at the begin.
+            t0: Start of the step [s].
+            t1: End of the step [s].
+            y0: State at the start of the step.
             args: Not used.
             solver_state: From :meth:`init`.
             made_jump: Not used.

@@ -14,13 +14,13 @@ from .term import MotionTerm, equations_of
 
 
 class GeneralizedAlpha(SecondOrderSolver):
-    """Generalised-alpha method: second order, with adjustable damping of vibrations that steps do not resolve.
+    """Generalised-alpha method: second order, with adjustable damping of vibrations that the steps do not resolve.
 
     The positions of each step satisfy the constraints; afterwards its velocities are projected onto them.
 
     Attributes:
-        radius: Spectral radius: share of an unresolved vibration that remains after a step, from 0 to 1 [-]. 1 is the
-            trapezoidal rule. It keeps the whole vibration and may gain energy when bodies turn.
+        radius: Spectral radius: share of an unresolved vibration that remains after a step, from 0 to 1 [-]. With 1,
+            the method is the trapezoidal rule: it keeps the whole vibration and may gain energy when bodies turn.
 
     Source:
         Chung, Hulbert (1993), J. Applied Mechanics 60, 371; with constraints: Arnold, Bruels (2007), Multibody System
@@ -48,9 +48,9 @@ class GeneralizedAlpha(SecondOrderSolver):
 
         Args:
             terms: Equations of motion.
-            t0: Begin [s].
-            t1: End [s].
-            y0: State at the begin.
+            t0: Start of the step [s].
+            t1: End of the step [s].
+            y0: State at the start of the step.
             args: Not used.
             solver_state: From :meth:`init`.
             made_jump: Not used.

@@ -1,4 +1,4 @@
-"""Options of a simulation's steps: solver, tolerances, step sizes, and the end."""
+"""Options of time integration: form of the equations, solver, tolerances, step sizes and end of the motion."""
 
 from __future__ import annotations
 
@@ -30,32 +30,32 @@ class Integrator(Record):
         form: Coordinates of the equations:
 
             - "coordinates": all nodal coordinates with a multiplier for each constraint, projected onto the constraints
-              after each step. No choice of degrees of freedom can fail on the way.
-            - "tree": the same, but the last ends of spectral beams that close no loop are computed from first ends and
-              strains. Not with a controller, an event or ``EnergyKeeping()``.
-            - "reduced": the degrees of freedom, which determine the others in each evaluation. It has fewer unknowns,
-              but fails at a dead point. Not with explicit solvers.
+              after each step. It needs no degrees of freedom, whose choice may fail on the way.
+            - "tree": the same, but flexmb computes the last ends of spectral beams that close no loop from their first
+              ends and strains. Not with a controller, an event or ``EnergyKeeping()``.
+            - "reduced": the degrees of freedom. Each evaluation solves for the other coordinates. This form has fewer
+              unknowns, but fails at a dead point. Not with explicit solvers.
             - "chain": all coordinates of many elements, without dense matrices. Not differentiable in reverse mode if
               loads jump or an event ends the motion.
             - None: "chain" for many beams, else "tree", if they apply; otherwise "coordinates".
-        rtol: Largest error of a displacement in one step, over the greatest displacement so far, but at least over half
-            the mechanism's extent (half a radian). The accumulated error is of the same size if the motion is damped or
-            short, otherwise larger (``benchmarks/stability.py``). Use a smaller value for small deformations beside a
-            large motion. A step may gain or lose at most 3 rtol of the greatest kinetic plus elastic energy without
-            work by a force.
-        atol: Error allowed without displacement, as share of the extent and in radians; by default just above
+        rtol: Largest error of a displacement in one step, relative to the greatest displacement so far or half the
+            mechanism's extent (half a radian), whichever is larger. The accumulated error is of the same size if the
+            motion is damped or short, otherwise larger (``benchmarks/stability.py``). Use a smaller value for small
+            deformations beside a large motion. Without work by a force, a step may gain or lose at most 3 rtol of the
+            greatest kinetic plus elastic energy.
+        atol: Allowed error at zero displacement, as a share of the extent, or in radians; by default just above
             round-off.
-        solver: Solver of diffrax, or of flexmb: ``Rodas5P()``, for stiff motion (default); with fixed steps
-            ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
-        controller: Step size controller of diffrax that replaces control by rtol and atol, or fixed steps.
+        solver: Solver of diffrax or of flexmb. flexmb has ``Rodas5P()`` for stiff motion (default), and, with fixed
+            steps, ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
+        controller: Step size controller of diffrax, in place of the control by rtol and atol or of fixed steps.
         dt0: First step, or the fixed step [s].
-        adjoint: How diffrax differentiates: by default in reverse mode, with ``diffrax.ForwardMode()`` forward.
+        adjoint: Adjoint of diffrax: reverse mode by default, forward mode with ``diffrax.ForwardMode()``.
         event: Event of diffrax that ends the motion; rows of later times are not finite. Without a root finder the
             motion ends with its step. A condition of time and state is evaluated at 17 places of each step; with fixed
-            steps or a `controller` only at ends of steps. Its arguments are t and y; y.u are displacements of the
-            coordinates that move, in extents of the mechanism: y.u[0] is zero when the first of them passes its
-            undeformed place.
-        max_steps: Largest number of steps; with ``progress`` in each part.
+            steps or a `controller` only at ends of steps. Its arguments are t and y. The entries of y.u are
+            displacements of the coordinates that move, divided by the extent of the mechanism: y.u[0] is zero when the
+            first of these coordinates passes its undeformed place.
+        max_steps: Largest number of steps; with ``progress``, in each part.
     """
 
     form: Literal["coordinates", "reduced", "chain", "tree"] | None = static(default=None)

@@ -41,8 +41,8 @@ def linearize_motion(motion: Motion) -> Linearization:
         motion: Motion.
 
     Returns:
-        Linearization with the times as first axis: M0, C0, D0, K0, N0, G0 (n_t, n_q, n_q). If the degrees of freedom do
-        not determine the configuration, ``result`` is singular_configuration and the matrices are meaningless.
+        Linearization, with times as the first axis: M0, C0, D0, K0, N0, G0 (n_t, n_q, n_q). If the degrees of freedom
+        do not determine the configuration, ``result`` is singular_configuration and the matrices are meaningless.
 
     Raises:
         TypeError: `motion` is no Motion.
@@ -104,12 +104,12 @@ def steady_motion(
         Linearization with C0 and N0, for ``fm.poles`` and ``fm.to_statespace``.
 
     Raises:
-        ModelError: Unknown name, or nothing is prescribed.
+        ModelError: A name is unknown, or nothing is prescribed.
         AnalysisError: not_converged or singular_configuration.
 
     Warns:
-        FlexmbWarning: The equations change as the motion continues: these degrees of freedom are not constant, and
-            poles of one instant are meaningless.
+        FlexmbWarning: The equations change as the motion continues: the degrees of freedom are not constant, and the
+            poles at one instant are meaningless.
 
     Source:
         THEORY.md 6 and 7, with q_dot = q_ddot = 0.

@@ -33,11 +33,11 @@ class Loop(Record):
 
     Attributes:
         control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace`` or proper
-            ``control.TransferFunction``, continuous or sampled (with dt; its output is held between samples), a
-            function ``u = control(t, y)``, a :class:`Feedback`, or a :class:`Sampled`; functions of
-            :mod:`flexmb.control` make some. A system with the names of the model's inputs and outputs is connected by
-            name, others by order.
-        reference: Wanted outputs as a function of time. The controller reads reference - y; without reference, y.
+            ``control.TransferFunction``, continuous or sampled (with dt; its output is constant between samples); a
+            function ``u = control(t, y)``; a :class:`Feedback` or a :class:`Sampled`, such as functions of
+            :mod:`flexmb.control` return. flexmb connects a system by name if it has the names of the model's inputs and
+            outputs, otherwise by order.
+        reference: Wanted outputs as a function of time. The controller then reads reference - y, otherwise y.
     """
 
     control: Any = None

@@ -47,8 +47,8 @@ from .moving_matrices import moving_matrices
 class Motion(ByName, Along, Labelled, Record):
     """Motion of a mechanism at the given times.
 
-    Accelerations, stress resultants and forces are not stored: :meth:`observe` computes them at each question. To
-    compute them once, use ``seen = motion.observe()`` and call its methods by name.
+    Accelerations, stress resultants and forces are not stored: :meth:`observe` computes them for each question. To
+    compute them only once, call ``seen = motion.observe()`` and ask ``seen``.
 
     Attributes:
         t: Times, (n_t,) [s].
@@ -56,15 +56,16 @@ class Motion(ByName, Along, Labelled, Record):
         xd: Their velocities, (n_t, n_x) [1/s].
         near: Deformations, (n_t, n_e) [m, rad]; angles are counted past full turns.
         u: Inputs from a controller, (n_t, n_u), (n_t, 0) without a controller [N, N m].
-        steps: Number of time steps, refused ones included.
+        steps: Number of time steps, including rejected steps.
         result: Code of RESULTS.
-        driven: What depended on time.
+        driven: Functions of time of the simulation.
         model: Mechanism.
         form: Form of the equations.
         solver: Name of the solver.
         energy_error: Greatest energy gained or lost without work by a force, over the greatest kinetic plus elastic
-            energy, () [-]. NaN if not computed: ``form="chain"``, fixed steps, your own ``controller``, no energy. With
-            a ``solver`` other than ``Rodas5P()`` it needs elements with laws, and nothing prescribed or controlled.
+            energy, () [-]. NaN if not computed: for ``form="chain"``, fixed steps, your own ``controller``, or zero
+            energy. With a ``solver`` other than ``Rodas5P()`` it is computed only for elements with laws, without
+            prescribed motion or controller.
     """
 
     t: Float[Array, "n_t"]
@@ -112,10 +113,10 @@ class Motion(ByName, Along, Labelled, Record):
         return self.observe().external
 
     def until(self, count: int) -> Motion:
-        """Return the motion at its first times.
+        """Return the part of the motion up to one of its times.
 
         Args:
-            count: Number of times, from 0 to all.
+            count: Number of times of this part.
 
         Raises:
             ValueError: There are fewer times.
@@ -142,7 +143,7 @@ class Motion(ByName, Along, Labelled, Record):
 
         Args:
             step: Number of the time, from 0; by default the last.
-            time: The time [s]; give one of both.
+            time: The time [s], instead of ``step``.
 
         Raises:
             IndexError: There are fewer times.
@@ -156,7 +157,7 @@ class Motion(ByName, Along, Labelled, Record):
 
         Args:
             step: The number, negative from the end; by default the last.
-            time: Time of the state [s]; give one of both.
+            time: Time of the state [s], instead of ``step``.
 
         Raises:
             IndexError: There are fewer times.
@@ -180,7 +181,7 @@ class Motion(ByName, Along, Labelled, Record):
         return chosen % count
 
     def stressed(self) -> Stressed:
-        """Return what stress at all times is computed from.
+        """Return the data from which stress at all times is computed.
 
         Raises:
             ModelError: The motion did not reach its end.
@@ -224,7 +225,7 @@ class Motion(ByName, Along, Labelled, Record):
 
 
 class Observed(ByName, Result, Record):
-    """Quantities that follow from a motion, at all times; asked by name as the motion is.
+    """Quantities that follow from a motion, at all times. Methods by name are the same as for Motion.
 
     Attributes:
         x: Nodal coordinates, (n_t, n_x) [m, rad, -].
@@ -232,7 +233,7 @@ class Observed(ByName, Result, Record):
         xdd: Accelerations, (n_t, n_x) [1/s^2].
         e: Deformations, (n_t, n_e) [m, rad].
         ed: Their rates, (n_t, n_e) [m/s, rad/s].
-        sigma: Stress resultants, multipliers included, (n_t, n_e) [N, N m].
+        sigma: Stress resultants, including multipliers, (n_t, n_e) [N, N m].
         reactions: Forces of the supports on the mechanism, (n_t, n_x) [N, N m].
         external: Loads except weight, plus reactions, (n_t, n_x) [N, N m].
         kinetic: Kinetic energy, (n_t,) [J].

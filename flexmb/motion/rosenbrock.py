@@ -66,8 +66,8 @@ class Rodas5P(Rosenbrock):
     """Stiffly accurate Rosenbrock method of order five with eight stages.
 
     Attributes:
-        jumps: Whether loads may jump; accelerations are then computed anew.
-        balanced: Whether the error of a step includes its energy balance; set by :func:`simulate`.
+        jumps: Whether loads may jump; each step then computes its first accelerations anew.
+        balanced: Whether the error of a step includes its energy balance; :func:`simulate` sets it.
 
     Source:
         Steinebach (2023), BIT Numerical Mathematics 63, 27.

@@ -92,29 +92,29 @@ def simulate(
 ) -> Motion:
     """Integrate the nonlinear equations of motion.
 
-    Drives, controller and integration options are keywords, or records that several simulations can share::
+    Give drives, controller and integration options as keywords, or as records that several simulations can share::
 
         fm.simulate(model, times, loads={"tip.x": jnp.sin}, rtol=1e-8)
 
         fine = fm.motion.Integrator(rtol=1e-8, max_steps=10_000)
         fm.simulate(model, times, loads={"tip.x": jnp.sin}, integrator=fine)
 
-    Functions of time, controllers and events are captured at the call, with the numbers that they refer to. The motion
-    is differentiable by these numbers. Functions that differ only in numbers share compiled code.
+    flexmb captures functions of time, controllers and events at the call, with the numbers that they refer to. The
+    motion is differentiable by these numbers. Functions that differ only in numbers share compiled code.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        times: Ascending times of the result, the first is the start, (n_t,) [s].
+        times: Ascending times of the result, (n_t,) [s]; the first is the start.
         initial: Start: an equilibrium (at rest), a configuration, or the end of another motion. None: the start values
-            of the builder, otherwise the undeformed mechanism at rest. If driven coordinates start elsewhere or with
-            speed, degrees of freedom and their rates keep these values, and the other coordinates follow.
+            of the builder, or the undeformed mechanism at rest. If driven coordinates start elsewhere or with a
+            velocity, the degrees of freedom and their rates keep these values, and the other coordinates follow.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs, increment, jumps.
         loop: Controller around the mechanism: control, reference.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
             max_steps.
-        progress: True for a progress bar, or a function of the number of parts done and of all parts. The time is cut
-            into some fifty parts. A keyboard interruption ends the simulation with the times reached and ``result``
-            stopped.
+        progress: True for a progress bar, or a function of the number of parts done and of all parts. flexmb cuts the
+            time into about fifty parts. A keyboard interruption ends the simulation with the times reached and
+            ``result`` stopped.
         throw: Raise if the simulation fails; otherwise the code is in ``result``.
         keywords: Attributes of :class:`Drives`, :class:`Loop` and :class:`Integrator`; they override
             the attributes of a record.
@@ -123,21 +123,21 @@ def simulate(
         Motion.
 
     Raises:
-        ValueError, TypeError: Times not ascending, a wrong tolerance or step, a solver of fixed steps without ``dt0``,
-            or ``progress`` under a trace.
-        ModelError: Unknown name, something that cannot be driven, a function with the wrong number of numbers, an input
-            that moves nothing, a mechanism that is held everywhere.
+        ValueError, TypeError: Times do not ascend, a tolerance or step is wrong, a solver with fixed steps has no
+            ``dt0``, or ``progress`` is used under a trace.
+        ModelError: A name is unknown, a quantity cannot be driven, a function returns the wrong number of numbers, an
+            input moves nothing, or no coordinate is free.
         AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away; out_of_reach: the
             mechanism cannot be assembled at the first values that drive it; not_finite: a function of time or a
             controller returns a number that is not finite, with its name and the time.
 
     Warns:
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
-            were found, not named; the start is stressed by strain or imperfection; a controller acts on a mechanism of
-            60 coordinates or more.
-        FlexmbWarning: The energy changes by more than 100 ``rtol``, and 1e-8, of the greatest kinetic plus elastic
-            energy without work by loads, dampers, controllers or prescribed motions (``Motion.energy_error``).
-        CoarseWarning: A beam is bent or twisted further than one beam is accurate for, or stretched by more than 1 %.
+            flexmb chose; strain or imperfection stresses the start; a controller acts on a mechanism of 60 coordinates
+            or more.
+        FlexmbWarning: Without work by loads, dampers, controllers or prescribed motions, the energy changes by more
+            than 100 ``rtol`` and 1e-8 of the greatest kinetic plus elastic energy (``Motion.energy_error``).
+        CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:
         THEORY.md 5 and 9.
