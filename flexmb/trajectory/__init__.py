@@ -1,4 +1,4 @@
-"""Motions that are wanted, what drives a mechanism along them, and its equations about them."""
+"""Wanted motions, the inputs that drive a mechanism along them, and the equations of deviations from them."""
 
 from ..lazy import names
 

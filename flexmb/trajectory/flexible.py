@@ -1,4 +1,4 @@
-"""Stable inversion: inputs under which outputs of a linear system follow laws, beginning before the outputs move."""
+"""Stable inversion: inputs under which outputs of a linear system follow laws. They begin before the outputs move."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ class StableInversion(Result, Record):
         z: State, (n_t, n_z).
         zeros: Zeros of the system: eigenvalues of its inverse, (n_z - sum of the relative degrees,) [1/s].
         degrees: Relative degree of each output: the order of its derivative that the inputs determine, (n_y,).
-        error: Largest error of the outputs if the system starts from rest at the first time, since earlier inputs are
-            left out, () [SI].
+        error: Largest error of the outputs if the system starts from rest at the first time, without the earlier
+            inputs, () [SI].
         inputs_of, outputs_of: Names of inputs and outputs.
     """
 
@@ -57,7 +57,7 @@ class StableInversion(Result, Record):
         return {name: sampled(self.t, self.u[:, i]) for i, name in enumerate(self.inputs_of)}
 
     def summary(self) -> Summary:
-        """Range of each input, the zeros, and the error of a start from rest."""
+        """Return the range of each input, the zeros, and the error of a start from rest."""
         unstable = self.zeros[self.zeros.real > 0].real
         rows = {f"input {name}": span(self.u[:, i], "") for i, name in enumerate(self.inputs_of)}
         rows |= {f"output {name}": span(self.y[:, i], "") for i, name in enumerate(self.outputs_of)}
@@ -69,16 +69,16 @@ class StableInversion(Result, Record):
 
 
 def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: ArrayLike) -> StableInversion:
-    """Bounded inputs under which the outputs of a flexible mechanism follow laws, even if the inverse is unstable.
+    """Return bounded inputs under which outputs of a flexible mechanism follow laws, even with an unstable inverse.
 
-    The system is solved for the inputs as a boundary value problem over all time. The decaying part of the inverse is
-    followed forwards from rest, the growing part backwards from rest at the end. An input that is not collocated with
-    its output therefore begins before the output moves: let the times begin early enough. ``error`` is the effect of
-    the part before the first time.
+    flexmb solves a boundary value problem over all time. It integrates the decaying part of the inverse forwards from
+    rest at the start, and the growing part backwards from rest at the end. An input that is not collocated with its
+    output therefore begins before the output moves: let the times begin early enough. ``error`` is the effect of the
+    inputs before the first time.
 
     Args:
-        system: Mechanism, its linearisation, or a ``control.StateSpace`` with named inputs and outputs; of concrete
-            numbers.
+        system: Mechanism, its linearisation, or a ``control.StateSpace`` with named inputs and outputs; its numbers
+            must be concrete.
         trajectory: Laws of outputs by name, as many as there are inputs. Values count from the state of linearisation.
             Laws are at rest before the first time and after the last.
         times: Ascending times at which to compute the inputs, (n_t,) [s].
@@ -92,7 +92,8 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
             outputs depend on each other; zeros lie on the imaginary axis; a law is not smooth enough.
 
     Warns:
-        FlexmbWarning: From rest at the first time, an error exceeds a thousandth of the largest output.
+        FlexmbWarning: If the system starts from rest at the first time, an error exceeds a thousandth of the largest
+            output.
 
     Source:
         Devasia, Chen, Paden (1996), as THEORY.md 14, eq. (14.16) to (14.18).

@@ -1,4 +1,4 @@
-"""Inverse dynamics: inputs that drive a mechanism along a trajectory while its flexible deformations are held."""
+"""Inverse dynamics: inputs that drive a mechanism along a trajectory while its flexible deformations stay constant."""
 
 from __future__ import annotations
 
@@ -72,14 +72,15 @@ class Wanted(Record):
 class Nominal(Labelled, Record):
     """A motion along a trajectory, with the inputs that drive the mechanism.
 
-    The motion belongs to the whole model: ``nominal.motion.linearizations()`` linearises a mechanism that may vibrate
-    about it.
+    The motion is a motion of the flexible model: ``nominal.motion.linearizations()`` linearises a mechanism that may
+    vibrate about it.
 
     Attributes:
-        motion: The motion, as :func:`flexmb.simulate` returns one, under the inputs and the holding forces.
+        motion: The motion under the inputs and the holding forces, of the same type as from :func:`flexmb.simulate`.
         u0: Nominal inputs, in the order of the builder, (n_t, n_u) [N, N m].
-        y0: Outputs, likewise, (n_t, n_y).
-        f0: Force beside the inputs that holds each degree of freedom: zero for driven ones, (n_t, n_q) [N, N m].
+        y0: Outputs, in the order of the builder, (n_t, n_y).
+        f0: Holding force of each degree of freedom, in addition to the inputs, (n_t, n_q) [N, N m]. It is zero for
+            driven degrees of freedom.
         result: Code of RESULTS at each time, (n_t,).
     """
 
@@ -97,12 +98,12 @@ class Nominal(Labelled, Record):
 
     @property
     def inputs(self) -> dict[str, Law]:
-        """Nominal inputs as functions of time, by name."""
+        """Return the nominal inputs as functions of time, by name."""
         return self._laws(self.motion.labels.inputs, self.u0)
 
     @property
     def outputs(self) -> dict[str, Law]:
-        """Outputs along the trajectory as functions of time, by name."""
+        """Return the outputs along the trajectory as functions of time, by name."""
         return self._laws(self.motion.labels.outputs, self.y0)
 
     def _laws(self, signals: tuple[Signal, ...], values: Any) -> dict[str, Law]:
@@ -128,7 +129,7 @@ class Nominal(Labelled, Record):
         return Quantities(("time",), along, found)
 
     def summary(self) -> Summary:
-        """Outcome, and the range of each input and output."""
+        """Return the outcome, and the range of each input and output."""
         rows = {"result": told(np.max(np.asarray(self.result))), "times": str(len(self.t))}
         labels = self.motion.labels
         for word, signals, values in (("input", labels.inputs, self.u0), ("output", labels.outputs, self.y0)):
@@ -150,27 +151,28 @@ def inverse_dynamics(
     inputs: Sequence[str] | None = None,
     throw: bool = True,
 ) -> Nominal:
-    """Inputs that drive a mechanism along a trajectory with its flexible deformations held: SPACAR's mode 2.
+    """Return the inputs that drive a mechanism along a trajectory with constant flexible deformations: SPACAR's mode 2.
 
-    The trajectory gives laws for degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or
-    outputs, each counted from the undeformed mechanism. Driven degrees of freedom follow the laws of other coordinates
-    and outputs by kinematics, on the branch of the start values. Degrees of freedom that are not driven, such as
-    deformations of flexible parts, keep their start values (zero by default).
+    A trajectory consists of laws for degrees of freedom, PRESCRIBED coordinates and deformations, other coordinates or
+    outputs. Values count from the undeformed mechanism. If a law belongs to another coordinate or an output, the driven
+    degrees of freedom follow from kinematics, on the branch of the start values. Degrees of freedom that are not
+    driven, such as deformations of flexible parts, keep their start values (zero by default).
 
     The inputs satisfy the equations of motion along driven degrees of freedom,
-    ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``. Along held ones the same equations give the holding force ``f0``.
-    The force of a PRESCRIBED motion is a reaction or a stress resultant of ``motion``.
+    ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``. Along the other degrees of freedom, the same equations give the
+    holding force ``f0``. The force of a PRESCRIBED motion is a reaction or a stress resultant of ``motion``.
 
     Args:
         model: Mechanism with named inputs; differentiable in ``model.parameters``.
         trajectory: Laws by name: a coordinate "stage.x", a rotation "arm.phi" or "arm.rz", a deformation "hinge.e1", or
             an output. A law is a twice differentiable function of time, such as :func:`flexmb.trajectory.quintic`.
             Results are differentiable in its numbers.
-        times: Ascending times of the results, (n_t,) [s]. Between two times, wanted quantities change straight: a full
-            closed curve between two times is not seen.
-        driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, equally many. None:
-            those without stiffness, or all, if their number fits.
-        inputs: Names of the driving inputs, one for each driven degree of freedom; other inputs are zero. None: all.
+        times: Ascending times of the results, (n_t,) [s]. Between two times flexmb moves the wanted quantities on a
+            straight line. It does not see a closed curve between two times.
+        driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, as many as laws.
+            None: the degrees of freedom without stiffness, or all, if the number fits.
+        inputs: Names of the driving inputs, one for each driven degree of freedom; other inputs are zero. None: all
+            inputs.
         throw: Raise if there is no such motion; otherwise the code is in ``result``.
 
     Returns:
@@ -180,8 +182,8 @@ def inverse_dynamics(
         ValueError, TypeError: Times do not ascend, a law is not a function of time, or ``jax.jit`` traces the model.
         ModelError: A name is unknown; the number of inputs or of driven degrees of freedom does not fit; nothing moves
             a quantity.
-        AnalysisError: outside_workspace (also for too long a way between two times) or singular_plant, with the first
-            time.
+        AnalysisError: outside_workspace (also if the way between two times is too long) or singular_plant, with the
+            first time at which it occurs.
 
     Source:
         THEORY.md 14, eq. (14.13) to (14.15).

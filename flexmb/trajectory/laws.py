@@ -1,7 +1,7 @@
-"""Laws of time: from rest to rest, through points, through samples, and shaped to leave no vibration.
+"""Laws of motion over time: from rest to rest, through points, through samples, and shaped to leave no vibration.
 
-A law is a function f(t) of one number, differentiable by time and by its own numbers. Before it begins it rests at its
-first value, afterwards at its last.
+A law is a function f(t) of one number, differentiable by time and by its own numbers. Before its start it has its first
+value, after its end its last value.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ WORDS = ("value", "velocity", "acceleration", "jerk")
 
 
 class Law(Result, Record):
-    """Function of time in pieces, each a polynomial of the time since its begin.
+    """Function of time in pieces. Each piece is a polynomial of the time since its start.
 
     Attributes:
-        breaks: Begins of the pieces and the end of the last, ascending, (n + 1,) [s].
-        coefficients: For each piece, by ascending power of time, (n, degree + 1) [m/s^k, rad/s^k].
+        breaks: Start of each piece, and end of the last piece, ascending, (n + 1,) [s].
+        coefficients: Coefficients of each piece, by ascending power of time, (n, degree + 1) [m/s^k, rad/s^k].
     """
 
     breaks: Float[Array, "n_breaks"]
@@ -63,20 +63,20 @@ class Law(Result, Record):
 
     @property
     def shape_of_value(self) -> tuple[int, ...]:
-        """Shape of the value: the shape of the coefficients of one power."""
+        """Shape of a value: the shape of the coefficients of one power."""
         return np.shape(self.coefficients)[2:]
 
     @property
     def duration(self) -> Float[Array, ""]:
-        """Time from begin to end, () [s]."""
+        """Time from start to end, () [s]."""
         return self.breaks[-1] - self.breaks[0]
 
     def peaks(self) -> tuple[float, float, float]:
-        """Largest absolute velocity, acceleration and jerk [1/s, 1/s^2, 1/s^3]; of concrete numbers."""
+        """Return the largest absolute velocity, acceleration and jerk [1/s, 1/s^2, 1/s^3]; needs concrete numbers."""
         return tuple(np.asarray(_peaks(self)).tolist())
 
     def summary(self) -> Summary:
-        """First and last value, times and peaks."""
+        """Return first and last value, times and peaks."""
         ends, peaks = [float(self(t)) for t in np.asarray(self.breaks)[[0, -1]]], self.peaks()
         rows = {"time": f"{short(self.breaks[0])} to {short(self.breaks[-1])} s", "pieces": str(len(self.breaks) - 1)}
         rows |= {f"largest {word}": short(peak) for word, peak in zip(WORDS[1:], peaks, strict=True)}
@@ -103,10 +103,10 @@ class Shaped(Record):
 
 
 def rates(law: Callable, t: Float[ArrayLike, ""]) -> tuple[Any, Any, Any]:
-    """Value, velocity and acceleration of a law.
+    """Return value, velocity and acceleration of a law.
 
     Args:
-        law: Function of time by ``jax.numpy``.
+        law: Function of time in ``jax.numpy``.
         t: Time, () [s].
 
     Returns:
@@ -134,7 +134,7 @@ def quintic(
     jerk: ArrayLike | None = None,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Law from rest to rest by a polynomial of degree five, with zero velocity and acceleration at both ends.
+    """Return a law from rest to rest: a polynomial of degree five, with zero velocity and acceleration at both ends.
 
     Args:
         start: Value before, () [m, rad].
@@ -167,7 +167,7 @@ def septic(
     jerk: ArrayLike | None = None,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Law from rest to rest by a polynomial of degree seven: also the jerk is zero at both ends.
+    """Return a law from rest to rest: a polynomial of degree seven. The jerk is also zero at both ends.
 
     Args:
         start: Value before, () [m, rad].
@@ -199,9 +199,9 @@ def scurve(
     jerk: ArrayLike,
     begin: ArrayLike = 0.0,
 ) -> Law:
-    """Shortest law from rest to rest within limits of velocity, acceleration and jerk: an S-curve of seven phases.
+    """Return the shortest law from rest to rest within limits of velocity, acceleration and jerk: an S-curve.
 
-    If the way is too short to reach a limit, the phase at this limit has no length.
+    The law has seven phases. If the way is too short to reach a limit, the phase at this limit has no length.
 
     Args:
         start: Value before, () [m, rad].
@@ -250,19 +250,19 @@ def scurve(
 
 
 def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
-    """Law through points at given times, from rest to rest, with as many continuous derivatives as its degree allows.
+    """Return a law through points at given times, from rest to rest: a spline with degree - 1 continuous derivatives.
 
     Args:
-        times: Ascending, two or more concrete numbers, (n,) [s].
+        times: Two or more ascending concrete numbers, (n,) [s].
         points: Values at these times; differentiable, (n,) [m, rad].
-        degree: 3: continuous acceleration, zero velocity at the ends. 5: continuous fourth derivative, also zero
-            acceleration at the ends.
+        degree: 3: continuous acceleration, zero velocity at the ends. 5: continuous fourth derivative, zero velocity
+            and acceleration at the ends.
 
     Returns:
         Law.
 
     Raises:
-        TypeError, ValueError: Times do not ascend, the number of points differs, or the degree is another.
+        TypeError, ValueError: Times do not ascend, the number of points differs, or the degree is neither 3 nor 5.
 
     Source:
         ``scipy.interpolate.make_interp_spline``.
@@ -274,18 +274,19 @@ def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
 
 
 def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
-    """Law through samples of a known motion, such as a measured one.
+    """Return a law through samples of a known motion, such as a measured motion.
 
     Args:
-        times: Ascending concrete numbers, more than the degree, (n,) [s].
+        times: Ascending concrete numbers, at least degree + 1, (n,) [s].
         values: Samples; differentiable, (n,) [m, rad].
-        degree: Degree of the spline, 3, 5 or 7, without conditions at its ends. A motion needs 3 at least.
+        degree: Degree of the spline, 3, 5 or 7, without conditions at its ends.
 
     Returns:
-        Law at rest beyond its ends; its velocity jumps there unless the samples end at rest.
+        Law that is at rest outside its times. The velocity jumps at the ends unless the samples start and end at rest.
 
     Raises:
-        TypeError, ValueError: Times do not ascend, the number of values differs or is too small, or another degree.
+        TypeError, ValueError: Times do not ascend, the number of values differs or is too small, or the degree is not
+            3, 5 or 7.
 
     Source:
         ``scipy.interpolate.make_interp_spline``.
@@ -301,7 +302,7 @@ def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
 def stretched(
     law: Law, *, velocity: float | None = None, acceleration: float | None = None, jerk: float | None = None
 ) -> Law:
-    """The same law over the shortest duration within limits, such as a spline with a known way and unknown duration.
+    """Return the same law over the shortest duration within limits, such as for a spline with known points.
 
     Args:
         law: Law with concrete breaks; differentiable in its coefficients.
@@ -310,14 +311,14 @@ def stretched(
         jerk: Largest rate of the acceleration [1/s^3].
 
     Returns:
-        Law that begins at the same time.
+        Law with the same start time.
 
     Raises:
         TypeError: The argument is no Law of pieces, or ``jax.jit`` traces it.
         ValueError: No limit is given, a limit is not positive, or the law does not move.
 
     Source:
-        A duration longer by c divides the k-th derivative by c^k.
+        A duration c times as long divides the k-th derivative by c^k.
     """
     if not isinstance(law, Law):
         raise TypeError(f"fm.trajectory.stretched takes a Law, such as fm.trajectory.spline returns, not {shown(law)}.")
@@ -333,7 +334,7 @@ def stretched(
 
 
 def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
-    """Law in two steps, half a period of a vibration apart, so that none of the vibration remains.
+    """Return a law in two steps, half a period of a vibration apart, so that none of the vibration remains.
 
     Args:
         law: Law to be shaped, a function of time.
@@ -353,7 +354,7 @@ def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
 
 
 def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
-    """As :func:`zv`, in three steps: an error in the frequency leaves a vibration of second order in this error.
+    """Like :func:`zv`, in three steps. An error of the frequency leaves a vibration of second order in this error.
 
     Args:
         law: Law to be shaped, a function of time.

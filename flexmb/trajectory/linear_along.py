@@ -1,4 +1,4 @@
-"""Linear equations along a motion: matrices that vary with time, interpolated between the times."""
+"""Linear equations along a motion: matrices that vary with time, interpolated between the output times."""
 
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ class TimeVarying(Labelled, Record):
     """Linear time-varying system z_dot = A(t) z + B(t) u, y = C(t) z + D(t) u along a motion.
 
     z, u and y are deviations from the motion. Displacements of the degrees of freedom come first, then their rates.
-    States are the same at all times, so that a cubic spline (SciPy's ``CubicSpline``) interpolates the matrices.
+    The states are the same at all times. A cubic spline (SciPy's ``CubicSpline``) can therefore interpolate the
+    matrices.
 
     Attributes:
         t: Times, (n_t,) [s].
@@ -41,18 +42,19 @@ class TimeVarying(Labelled, Record):
         C: (n_t, n_y, n_z).
         D: (n_t, n_y, n_u).
         M: Mass of the first n states, whose rates are the next n, (n_t, n, n).
-        u0: Inputs of the motion itself, (n_t, n_u) [N, N m; m, rad, and their rates, of held things that move].
+        u0: Inputs of the motion itself, (n_t, n_u) [N, N m; for motions of supports m, rad and their rates].
         y0: Outputs of the motion, (n_t, n_y) [m, rad, ..].
         z0: States of the motion at the first time, (n_z,).
         sigma: Stress resultants of the motion, (n_t, n_e) [N, N m].
-        basis: Shapes of the first n states in the degrees of freedom, (n_t, n_q, n); None if they are the same.
-        error: For a reduced system, the largest relative error of each frequency at any time, (n,) [-]; else, and under
-            a trace, None.
-        left_out: For a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; None likewise.
+        basis: Shapes of the first n states in the degrees of freedom, (n_t, n_q, n); None if the states are the degrees
+            of freedom.
+        error: For a reduced system, the largest relative error of each frequency at any time, (n,) [-]; otherwise, and
+            under a trace, None.
+        left_out: For a reduced system, the lowest frequency that is not kept, (n_t,) [Hz]; otherwise None.
         state_labels: Names of the states.
         input_labels: Names of the inputs.
         output_labels: Names of the outputs.
-        origins: For outputs that are displacements, their start coordinates in the undeformed mechanism, else NaN,
+        origins: Coordinates in the undeformed mechanism for outputs that are displacements, NaN for other outputs,
             (n_y,) [m]; None if unknown.
     """
 
@@ -104,10 +106,10 @@ class TimeVarying(Labelled, Record):
         return _matrices_at(self._splines(), jnp.asarray(t, float))
 
     def frequencies(self) -> Float[np.ndarray, "n_t n"]:
-        """Undamped frequencies at the times, ascending, (n_t, n) [Hz]; negative where the motion grows, NaN if complex.
+        """Return undamped frequencies at each time, ascending, (n_t, n) [Hz]; negative if unstable, NaN if complex.
 
         Raises:
-            TypeError: The matrices are traced: frequencies are computed on the host.
+            TypeError: The matrices are traced; frequencies need concrete numbers.
 
         Source:
             THEORY.md 7, eq. (7.2).
@@ -121,7 +123,7 @@ class TimeVarying(Labelled, Record):
         return _frequencies_along(-self.M @ self.A[:, n : 2 * n, :n], self.M)
 
     def statespace(self, t: float) -> control.StateSpace:
-        """The system at one time, as if its matrices were constant.
+        """Return the system with constant matrices: the matrices of one time.
 
         Args:
             t: Time, () [s].
@@ -144,15 +146,15 @@ class TimeVarying(Labelled, Record):
         rtol: float = 1e-6,
         substeps: int | None = None,
     ) -> tuple[Float[Array, "n_y k"], Float[Array, "n_z k"]]:
-        """Outputs and states over time, as arrays that can be differentiated.
+        """Return outputs and states over time, as differentiable arrays.
 
         Args:
             times: Ascending, within the times of the system, (k,) [s].
             u: Inputs at these times, linear in between: (n_u, k), or (k,) for a single input, or a dictionary of (k,)
-                by name with all others zero; None: all zero.
+                by name. In a dictionary, missing inputs are zero. None: all inputs are zero.
             initial: States at the first time, (n_z,); None: zero.
-            rtol: Aimed error over the largest value of each output [-].
-            substeps: Integration steps from each time to the next; None: as many as ``rtol`` needs, or 4 under a trace.
+            rtol: Wanted error, relative to the largest value of each output [-].
+            substeps: Integration steps between two times; None: as many as ``rtol`` needs, or 4 under a trace.
 
         Returns:
             Outputs, (n_y, k), and states, (n_z, k), as deviations from the motion.
@@ -192,7 +194,7 @@ class TimeVarying(Labelled, Record):
         rtol: float = 1e-6,
         substeps: int | None = None,
     ) -> control.TimeResponseData:
-        """Response to inputs and an initial state, as ``control.forced_response`` returns for a constant system.
+        """Return the response to inputs and an initial state, like ``control.forced_response`` for a constant system.
 
         Args:
             times: See :meth:`solution`.
@@ -228,7 +230,7 @@ class TimeVarying(Labelled, Record):
         )
 
     def reduced(self, modes: int) -> TimeVarying:
-        """The system in the amplitudes of a few slowly varying modes; the rest responds quasi-statically.
+        """Return the system in the amplitudes of a few slowly varying modes; other motions respond quasi-statically.
 
         Args:
             modes: Number of modes to keep. Their shapes approximate the lowest modes at nine instants.
@@ -265,7 +267,7 @@ class TimeVarying(Labelled, Record):
         return dataclasses.replace(found, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
 
     def save(self, path: str | os.PathLike) -> None:
-        """Save as .npz or .mat, under the names of SPACAR's ltv file.
+        """Save the system as .npz or .mat, under the names of SPACAR's ltv file.
 
         Args:
             path: File; see :func:`flexmb.trajectory.ltv_file.save_time_varying`.
@@ -278,7 +280,7 @@ class TimeVarying(Labelled, Record):
         save_time_varying(self, path)
 
     def summary(self) -> Summary:
-        """Times, sizes and the span of the frequencies."""
+        """Return times, sizes and the range of the frequencies."""
         t = np.asarray(self.t)
         hertz = self.frequencies()
         rows = {
@@ -388,7 +390,7 @@ def _solved(
 
 
 def time_varying(along: Any) -> TimeVarying:
-    """Linear time-varying system along a simulated or nominal motion.
+    """Return the linear time-varying system along a simulated or nominal motion.
 
     Args:
         along: Motion of a simulation (SPACAR's mode 4), or nominal motion of inverse dynamics (mode 3) with its inputs.
@@ -398,12 +400,13 @@ def time_varying(along: Any) -> TimeVarying:
         TimeVarying from the named inputs to the named outputs of the model [SI].
 
     Raises:
-        TypeError: The argument is neither.
+        TypeError: The argument is neither a Motion nor a Nominal.
         ModelError, AnalysisError: As :func:`flexmb.control.state_matrices`; or the motion did not reach its end, or the
-            degrees of freedom do not determine the configuration at some place.
+            degrees of freedom do not determine the configuration at some time.
 
     Warns:
-        FlexmbWarning: Things that one input moves, such as two supports, do not move together along the motion.
+        FlexmbWarning: One input moves several coordinates, such as two supports, which do not move together along the
+            motion.
 
     Source:
         THEORY.md 6, eq. (6.4) and (6.5), 7, eq. (7.7), and 14, eq. (14.20).

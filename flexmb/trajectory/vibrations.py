@@ -41,12 +41,12 @@ class Perturbation(Result, Record):
         q: Deviations of the degrees of freedom from the nominal motion, (n_t, n_q) [m, rad].
         qd: Their rates, (n_t, n_q) [1/s].
         u: Inputs beside the loads of the nominal motion, (n_t, n_u), or (n_t, 0) for none [N, N m].
-        held: Force that holds each degree of freedom along the nominal motion and is released, less the force of a
-            servo that still holds some, (n_t, n_q) [N, N m].
+        held: Released holding force of each degree of freedom: the holding force along the nominal motion, minus the
+            force of a servo on the degrees of freedom that stay held, (n_t, n_q) [N, N m].
         nominal: The nominal motion.
-        error: Estimated error of the time steps over the largest displacement of the vibrations; NaN with given steps
-            [-].
-        substeps: Time steps from each time to the next.
+        error: Estimated error of the time steps, relative to the largest displacement of the vibrations [-]; NaN if
+            ``substeps`` was given.
+        substeps: Time steps between two times.
     """
 
     t: Float[Array, "n_t"]
@@ -70,11 +70,11 @@ class Perturbation(Result, Record):
         return self.nominal.labels
 
     def motion(self) -> Motion:
-        """Nominal motion plus vibrations, to be asked by name as any motion.
+        """Return the nominal motion plus vibrations, as a Motion.
 
-        The degrees of freedom are the sum of both; constraints place everything else. If the degrees of freedom are
-        deformations, geometric effects of second order, such as the shortening of a bent leaf spring, are therefore
-        included. Accelerations, stresses and forces follow from the equations of motion in these states.
+        The degrees of freedom are the sum of both; the constraints determine all other coordinates. If the degrees of
+        freedom are deformations, this includes geometric effects of second order, such as the shortening of a bent leaf
+        spring. Accelerations, stresses and forces follow from the equations of motion in these states.
 
         Returns:
             Motion.
@@ -92,11 +92,11 @@ class Perturbation(Result, Record):
         return Motion(self.t, x, xd, near, self.u, taken, own.result, driven, model, "perturbation method", "Radau IIA")
 
     def states(self) -> States:
-        """The states over time, nominal motion and vibrations together."""
+        """Return the states over time, as the sum of nominal motion and vibrations."""
         return self.motion().states()
 
     def summary(self) -> Summary:
-        """Times, extent of the vibrations, and error of the time steps."""
+        """Return times, extent of the vibrations, and error of the time steps."""
         t, q = np.asarray(self.t), np.asarray(self.q)
         extreme = q[np.argmax(np.abs(q), axis=0), np.arange(q.shape[1])]
         rows = {
@@ -218,36 +218,36 @@ def perturbation(
     rtol: float = 1e-4,
     substeps: int | None = None,
 ) -> Perturbation:
-    """Vibrations of small amplitude on top of a nominal motion: SPACAR's modes 5 and 6.
+    """Return vibrations of small amplitude on top of a nominal motion: modes 5 and 6 of SPACAR.
 
-    Forces that held the flexible deformations along the nominal motion are released. The deviations dq of the degrees
-    of freedom follow M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) dq = f0 + B0 du, with matrices along the nominal motion
-    and f0 opposite to the holding forces. The error is of second order in the vibration. The cost of a step does not
-    depend on the number of elements.
+    flexmb releases the forces that held the flexible deformations along the nominal motion. The deviations dq of the
+    degrees of freedom follow M0 dqdd + (C0 + D0) dqd + (K0 + N0 + G0) dq = f0 + B0 du, with matrices along the nominal
+    motion and f0 opposite to the holding forces. The error is of second order in the vibration. The cost of a step does
+    not depend on the number of elements.
 
     Args:
-        nominal: Nominal of inverse dynamics, or Motion of a simulation, along which nothing is held: then only the
-            start and ``u`` excite vibrations. Its times should resolve the nominal motion, not vibrations; between
-            them matrices and forces are cubic splines.
+        nominal: Nominal of inverse dynamics, or Motion of a simulation. A Motion has no holding forces: only the start
+            and ``u`` then excite vibrations. The times should resolve the nominal motion, not vibrations; between the
+            times matrices and forces are cubic splines.
         q: Deviation of the degrees of freedom at the first time, (n_q,) [m, rad]; None: zero.
         qd: Its rate, (n_q,) [1/s]; None: zero.
         u: Inputs in addition to the inputs of the nominal motion, at its times, (n_t, n_u) [N, N m]; None: none.
         held: Names of degrees of freedom that follow the nominal motion exactly, as with a stiff servo.
-        modes: Number of slowly varying modes to integrate; None: all degrees of freedom. The rest responds
+        modes: Number of slowly varying modes to integrate; None: all degrees of freedom. Other motions respond
             quasi-statically.
-        rtol: Aimed error of the time steps over the largest displacement of the vibrations [-].
-        substeps: Time steps from each time to the next; None: as many as ``rtol`` needs, or 4 under a trace.
+        rtol: Wanted error of the time steps, relative to the largest displacement of the vibrations [-].
+        substeps: Time steps between two times; None: as many as ``rtol`` needs, or 4 under a trace.
 
     Returns:
         Perturbation, whose ``motion()`` is the sum of both.
 
     Raises:
         TypeError: The argument is neither a Nominal nor a Motion.
-        ValueError: Sizes do not agree; a degree of freedom is unknown, or all are held; there are fewer modes.
+        ValueError: Sizes do not agree; a degree of freedom is unknown, or all of them are held; there are fewer modes.
         AnalysisError: The degrees of freedom do not determine the configuration at a time, or between two times.
 
     Warns:
-        FlexmbWarning: ``rtol`` is not reached.
+        FlexmbWarning: The error does not reach ``rtol``.
 
     Source:
         THEORY.md 14, eq. (14.22) to (14.26).
