@@ -69,7 +69,7 @@ class Buckling(Shapes, Labelled, Record):
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
     def quantities_by_name(self) -> Quantities:
-        """Load multipliers by the number of the mode, from 1."""
+        """Return the load multipliers by the number of the mode, from 1."""
         return numbered_quantities("mode", {"multiplier": (self.multipliers, "-")})
 
     def summary(self) -> Summary:
@@ -342,8 +342,8 @@ def buckling_loads(
     Args:
         model: Mechanism with loads; differentiable in ``model.parameters``. The multiplier scales the incremental
             loads, and the other loads are a constant preload. Without incremental loads it scales all loads, about the
-            equilibrium under these loads. If these loads bend the mechanism, a multiplier other than one depends on
-            their size.
+            equilibrium under these loads. If these loads bend the mechanism, a multiplier other than 1 depends on the
+            size of the loads.
         count: Number of multipliers of smallest size; all by default.
         sparse: Use sparse matrices; needs ``count``, but no degrees of freedom. See :func:`flexmb.equilibrium`. By
             default the size of the model decides, if ``count`` is given and no stiffness is negative. Multipliers by
@@ -363,8 +363,8 @@ def buckling_loads(
         NotImplementedError: A second derivative with sparse matrices.
 
     Warns:
-        FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex; or the loads
-            deflect the mechanism far before it buckles, or at the load factor one.
+        FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex. Or the mechanism
+            deflects far before it buckles, or at load factor 1.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).

@@ -51,7 +51,7 @@ def compliance(
     time: float | None = None,
     increment: float | None = None,
 ) -> Float[Array, "n n"]:
-    """Return displacements and rotations of a node under unit forces and moments on it.
+    """Return the displacements and rotations of a node under unit forces and moments on this node.
 
     Args:
         model: Mechanism, or its linearisation.
@@ -67,7 +67,7 @@ def compliance(
         or the node's own coordinates if it has no rotation [m/N, rad/N, m/(N m), rad/(N m)].
 
     Raises:
-        KeyError: Unknown node.
+        KeyError: The node is unknown.
         ValueError: ``local`` for a node without a rotation.
         AnalysisError: singular_stiffness if the node moves in a motion without stiffness. With dense matrices, other
             nodes still have a compliance.

@@ -48,17 +48,17 @@ def damped(
     Args:
         model: Mechanism, or its linearisation. Differentiable in its parameters, also for repeated frequencies, and in
             the numbers below.
-        ratio: Damping ratio of the modes about this state [-]: one number for all; or one per mode, (n,), in the order
-            of :func:`flexmb.modes`, the last for all higher ones; or pairs (frequency [Hz], ratio), (k, 2), linear in
-            between and constant beyond; or a function of frequencies, (n,) [Hz], that returns ratios, (n,).
+        ratio: Damping ratio of the modes about this state [-]: one number for all modes; or one per mode, (n,), in the
+            order of :func:`flexmb.modes`, the last also for all higher modes; or pairs (frequency [Hz], ratio), (k, 2),
+            linear in between and constant beyond; or a function of frequencies, (n,) [Hz], that returns ratios, (n,).
         rayleigh: Numbers alpha [1/s] and beta [s] of D0 = alpha M0 + beta K0. A mode of the unloaded mechanism has the
             ratio alpha/(2 w) + beta w/2. For the ratio zeta at two frequencies f and g [Hz] use alpha = 4 pi zeta f
             g/(f + g) and beta = zeta/(pi (f + g)).
         loss_factor: Loss factor eta of the elastic elements [-]: one for all, or by name of an element, with "*" and
-            "?" for any characters, or by Material. If several fit an element, the last one applies; other elements have
-            none. Structural damping does not depend on the frequency, and no real differential equation describes it.
-            flexmb therefore uses an equivalent viscous damping in each mode: the ratio eta/2, weighted by the elements'
-            share of strain energy.
+            "?" for any characters, or by Material. If several entries fit an element, the last one applies. An element
+            without an entry has no loss factor. Structural damping does not depend on the frequency, and no real
+            differential equation describes it. flexmb therefore uses an equivalent viscous damping in each mode: the
+            ratio eta/2, weighted by the elements' share of strain energy.
         elements: Whether to keep the damping of the elements.
 
     Returns:
@@ -66,10 +66,11 @@ def damped(
         Stress outputs do not include the added damping.
 
     Raises:
-        ValueError: Nothing is given, a number is negative or not finite, more ratios than modes, frequencies that do
-            not ascend, an unknown name, or an element without stiffness.
-        NotImplementedError: The stiffness is unsymmetric, has no modes, and more than ``rayleigh`` is given.
-        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
+        ValueError: Nothing is given, a number is negative or not finite, there are more ratios than modes, frequencies
+            do not ascend, a name is unknown, or an element with a loss factor has no stiffness.
+        NotImplementedError: The stiffness is unsymmetric, so that it has no modes, and ``ratio`` or ``loss_factor`` is
+            given.
+        AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness or has a negative mass.
 
     Source:
         THEORY.md 7, eq. (7.11) to (7.13); loss factors by modal strain energy: Johnson, Kienholz (1982), AIAA Journal

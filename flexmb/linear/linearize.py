@@ -195,7 +195,7 @@ class Linearization(ByName, AboutState, Result, Record):
 
     Attributes:
         matrices: The numbers: :class:`Matrices`, or :class:`LargeMatrices`.
-        model: The mechanism they belong to.
+        model: Mechanism of these equations.
     """
 
     matrices: Any
@@ -256,18 +256,18 @@ class Linearization(ByName, AboutState, Result, Record):
         A condition number of 10^n costs n digits in the derivatives of the equilibrium and of all later results.
 
         Source:
-            Van der Sluis (1969), Numerische Mathematik 14, 14: near the least that any units give.
+            Van der Sluis (1969), Numerische Mathematik 14, 14: near the smallest condition number in any units.
         """
         k = np.asarray(self.K)
         scale = np.sqrt(np.maximum(np.abs(np.diag(k)), np.finfo(float).tiny))
         return float(np.linalg.cond(k / scale[:, None] / scale)) if len(k) else 1.0
 
     def states(self) -> States:
-        """Return the state that the equations are about."""
+        """Return the state of the linearisation."""
         return States(self.model, self.x)
 
     def summary(self) -> Summary:
-        """Return outcome, largest displacement, and diagonals of mass and stiffness or sizes of a large mechanism."""
+        """Return outcome, largest displacement, and diagonals of mass and stiffness (sizes for a large mechanism)."""
         model, names = self.model, self.labels.x
         positions = [i for i, entry in enumerate(names) if entry.kind == "position"]
         moved = np.asarray(self.x - model.parameters.reference)[positions]

@@ -1,4 +1,4 @@
-"""Functions of several eigenvalues that stay smooth where two meet, and modes followed by their shape."""
+"""Functions of several eigenvalues that stay smooth where eigenvalues meet, and modes followed by their shape."""
 
 from typing import Any
 
@@ -29,14 +29,14 @@ def smooth_minimum(values: Float[Array, "n"], sharpness: float = 50.0) -> Float[
     therefore has a first derivative where eigenvalues or load multipliers are repeated.
 
     Args:
-        values: Positive, infinite ones allowed, (n,).
+        values: Positive numbers, which may be infinite, (n,).
         sharpness: p, () [-].
 
     Returns:
         () [unit of the values].
 
     Raises:
-        ValueError: A value that is not positive, or a sharpness below 1.
+        ValueError: A value is not positive, or the sharpness is below 1.
 
     Source:
         Norms of order -p; spectral functions are as smooth as they are symmetric: Lewis 1996, Math. Oper. Res. 21.
@@ -83,18 +83,18 @@ def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
 
 
 def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
-    """Return how alike the modes of two states or designs are.
+    """Return the similarity of the modes of two states or designs.
 
     Args:
         one: Modes of a model.
-        other: Modes of the same model, or of one with other dimensions or degrees of freedom.
+        other: Modes of the same model, or of a model with other dimensions or degrees of freedom.
 
     Returns:
-        (n, m) [-]: 1 for equal shapes, 0 for orthogonal ones, in the masses and the degrees of freedom of the first.
+        (n, m) [-]: 1 for equal shapes, 0 for orthogonal shapes, in the mass and the degrees of freedom of ``one``.
 
     Raises:
-        TypeError: They are no Modes, or sparse ones.
-        ValueError: The models have other nodes or elements.
+        TypeError: An argument is no Modes, or has sparse matrices.
+        ValueError: The models differ in nodes or elements.
 
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
@@ -127,7 +127,7 @@ def _shapes_in(model: Model, modes: Modes, function: str) -> Float[np.ndarray, "
 
 
 def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
-    """Return which mode of another state each mode has become, by shape.
+    """Return the mode of another state that continues each mode, by shape.
 
     Args:
         one, other: As for :func:`mode_assurance`.
@@ -154,7 +154,7 @@ def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
 def frequency_like(
     model: Model, shape: Modes | Float[Array, "n_q"], number: int | None = None, *, throw: bool = True
 ) -> Float[Array, ""]:
-    """Return the frequency of the mode most like a given one, through crossings.
+    """Return the frequency of the mode most similar to a given shape, also past crossings of frequencies.
 
     If other modes have the same frequency, flexmb projects the shape onto the common space of these modes. The
     derivative belongs to the mode that continues this shape. Only the first derivative is right.
@@ -171,8 +171,8 @@ def frequency_like(
         () [Hz]; negative if the motion grows.
 
     Raises:
-        ValueError: The shape and the degrees of freedom differ in number; a wrong or missing number of the mode; Modes
-            of a model with other nodes or elements.
+        ValueError: The shape and the degrees of freedom differ in number; the number of the mode is wrong or missing;
+            the Modes belong to a model with other nodes or elements.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness.
 
     Source:

@@ -52,7 +52,7 @@ class Modes(Shapes, Labelled, Record):
         frequencies: Square root of the size of each eigenvalue over 2 pi, with the sign of the eigenvalue, (n,) [Hz].
         shapes: Mass-normalised mode shapes in the coordinates, one mode for each column, (n_x, n) [1/sqrt(kg) ..].
         q_shapes: Mode shapes in the degrees of freedom, (n_q, n).
-        massless: Number of motions without mass. With sparse matrices 0 if all computed modes have mass.
+        massless: Number of motions without mass. With sparse matrices it is 0 if all computed modes have mass.
         stable: Whether the stiffness is positive definite.
         lin: Linearization of the state.
     """
@@ -72,7 +72,7 @@ class Modes(Shapes, Labelled, Record):
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
     def quantities_by_name(self) -> Quantities:
-        """Frequencies and eigenvalues by the number of the mode, from 1."""
+        """Return frequencies and eigenvalues by the number of the mode, from 1."""
         found = {"frequency": (self.frequencies, "Hz"), "eigenvalue": (self.eigenvalues, "rad²/s²")}
         return numbered_quantities("mode", found)
 
@@ -159,8 +159,8 @@ def frequencies(
 
     Returns:
         (n_q,) or (count,) [Hz], ascending; negative if the state is unstable in this motion, infinite for motions
-            without mass. About a state of motion the frequencies include K0 + N0 + G0 and M0, but not C0 and D0. They
-            are NaN if complex, and cannot be traced; see :func:`poles`.
+            without mass. About a state of motion the frequencies include K0 + N0 + G0 and M0, but not C0 and D0.
+            Complex frequencies are NaN, and frequencies about a state of motion cannot be traced; see :func:`poles`.
 
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.

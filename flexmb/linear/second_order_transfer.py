@@ -51,7 +51,8 @@ def second_transfer(lin: Linearization) -> tuple[Float[Array, "n_x n_q n_q"], Fl
         TypeError: `lin` is no Linearization.
 
     Source:
-        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the held deformations, THEORY.md 4, eq. (4.4).
+        Second derivative of D(F(q)) = e: D_x D2Fx = -(D2D DFx) DFx on the constrained deformations, THEORY.md 4, eq.
+        (4.4).
     """
     if not isinstance(lin, Linearization):
         raise TypeError(

@@ -1,4 +1,4 @@
-"""A quantity in every state of a path or a motion, with its unit."""
+"""One quantity in every state of a path or a motion, with its unit."""
 
 from typing import NamedTuple
 
@@ -23,5 +23,5 @@ class Series(NamedTuple):
 
     @property
     def axis(self) -> str:
-        """Label of an axis, with the unit."""
+        """Label of an axis of a picture, with the unit."""
         return f"{self.label} [{self.unit}]"

@@ -47,7 +47,7 @@ class SectionResultants(Labelled, Record):
         values: Normal force, shear forces along y and z [N], torque, bending moments about y and z [N m], in this
             order, (elements, places, 6). A planar element has local z across it in the plane and local y into the
             plane.
-        places: From 0 at an element's first end to 1 at its last, (places,) [-].
+        places: Places from 0 at an element's first end to 1 at its last, (places,) [-].
         result: Code of RESULTS.
         names: Names of the elements, in the order of the model.
     """
@@ -64,7 +64,7 @@ class SectionResultants(Labelled, Record):
         return {name: (values[..., i], "N" if i < 3 else "N m") for i, name in enumerate(RESULTANTS)}
 
     def quantities_by_name(self) -> Quantities:
-        """Each force and moment by element and place; of many states by their numbers too."""
+        """Return each force and moment by element and place, and by the number of the state if there are several."""
         return _by_place(self.quantities(), self.names, self.places)
 
     def summary(self) -> Summary:
@@ -124,7 +124,7 @@ class Stress(Labelled, Record):
         resultants: Force and moment in the sections.
         strength: Strength of the material, (elements, places) [Pa]; infinite for a material without a strength, None if
             no material has a strength.
-        fatigue: Fatigue limit, likewise.
+        fatigue: Fatigue limit of the material, in the same form [Pa].
         across: Normal stress along the surface across the element, as in leaf springs near clamps, (elements, places,
             8) [Pa]; None if no element has any.
         left_out: Names of the flexible elements without stress, whose section is given by its rigidities.
@@ -141,10 +141,10 @@ class Stress(Labelled, Record):
     one_axis = "resultants.places"
 
     def quantities(self) -> dict[str, tuple[np.ndarray, str]]:
-        """Return each stress, the largest of the points of a section with its sign, and each force, (elements, places).
+        """Return each stress (largest point of the section, with sign) and each force, (elements, places).
 
-        Stress across is included if there is any. "utilisation", the largest von Mises stress over the strength, is
-        included if a material states its strength.
+        The stress across an element is included if any element has it. "utilisation", the largest von Mises stress over
+        the strength, is included if a material states its strength.
         """
         largest = {}
         parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}
@@ -159,7 +159,7 @@ class Stress(Labelled, Record):
         return {**largest, **self.resultants.quantities()}
 
     def quantities_by_name(self) -> Quantities:
-        """What :meth:`quantities` gives, by element and place; of many states by their numbers too."""
+        """Return the same as :meth:`quantities` by element and place; of several states by their numbers too."""
         return _by_place(self.quantities(), self.names, self.places)
 
     def summary(self) -> Summary:
@@ -181,7 +181,7 @@ class Stress(Labelled, Record):
 
     @property
     def places(self) -> Float[Array, "places"]:
-        """From 0 at an element's first end to 1 at its last, (places,) [-]."""
+        """Places from 0 at an element's first end to 1 at its last, (places,) [-]."""
         return self.resultants.places
 
     @property
@@ -191,12 +191,12 @@ class Stress(Labelled, Record):
 
     @property
     def maximum(self) -> Float[Array, ""]:
-        """Largest von Mises stress, () or (states,) [Pa]; its derivative jumps where its place jumps."""
+        """Largest von Mises stress, () or (states,) [Pa]. The derivative jumps if its place jumps."""
         return jnp.max(self.von_mises, axis=(-3, -2, -1))
 
     @property
     def where(self) -> Location:
-        """Place of the largest von Mises stress, the first of several; TypeError for traced stress."""
+        """Place of the largest von Mises stress, the first of equal ones; TypeError for traced stress."""
         if isinstance(self.von_mises, jax.core.Tracer):
             raise TypeError("where needs concrete numbers. Use it outside jax.jit and jax.grad.")
         values = np.asarray(self.von_mises)
@@ -251,11 +251,11 @@ class Stress(Labelled, Record):
     def smooth_maximum(self, sharpness: float = 50.0) -> Float[Array, ""]:
         """Return an upper estimate of the largest von Mises stress, with a derivative without jumps.
 
-        (sum of v^p)^(1/p) is between the maximum and n^(1/p) times it for n values: for 1000 values at most 15 % above
-        with p = 50, 3.5 % with p = 200. It scales with the stress and needs no unit.
+        (sum of v^p)^(1/p) is between the maximum and n^(1/p) times the maximum, for n values. For 1000 values it is at
+        most 15 % too large with p = 50, and 3.5 % with p = 200. It scales with the stress.
 
         Args:
-            sharpness: p, at least 2, () [-]. Higher is nearer to the maximum and less smooth.
+            sharpness: p, at least 2, () [-]. A larger p is nearer to the maximum and less smooth.
 
         Returns:
             () [Pa].
@@ -532,9 +532,9 @@ def section_resultants(
 ) -> SectionResultants:
     """Return normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    They follow exactly from the equilibrium of the forces at the ends of an element, for a spectral beam at all places.
-    Along a cubic beam they are linear, plus the effect of the weight along its straight chord. The inertia of a moving
-    beam acts like a weight; its rotary inertia acts on its ends. A truss has a normal force only: half of each
+    The equilibrium with the forces at the ends of an element determines them exactly, for a spectral beam at all
+    places. Along a cubic beam they are linear, plus the effect of the weight along its straight chord. The inertia of a
+    moving beam acts like a weight; its rotary inertia acts on its ends. A truss has a normal force only: half of each
     transverse load acts on each end.
 
     Args:
@@ -542,8 +542,9 @@ def section_resultants(
         points: Number of places along each element, both ends included; by default 5, or 33 with strain series. For a
             section that jumps, flexmb adds both sides of each jump and the middle of each of the n segments. Without
             ``points`` it divides each segment into 64/sqrt(n) parts.
-        at: Equilibrium or linearisation of this model, or its path or motion. A path or a motion gives all of its
-            states, as first axis of the arrays, or one of them. Default: the equilibrium under the loads.
+        at: Equilibrium or linearisation of this model, or its path or motion. For a path or a motion, all of its states
+            are the first axis of the arrays, unless ``step`` or ``time`` selects one. Default: the equilibrium under
+            the loads.
         step, time: Number or time [s] of one state of a path or a motion, as for :func:`flexmb.frequencies`.
         load_factor: Factor of the loads of the equilibrium, () [-].
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.
