@@ -1,4 +1,4 @@
-"""An element type: a pure function of nodal coordinates with companions, read by their signatures."""
+"""An element type: a pure function of nodal coordinates with companions, all declared by their signatures."""
 
 import collections.abc
 import dataclasses
@@ -36,15 +36,15 @@ GIVEN = ("ref", "near", "place", "sigma", "fall", "resultants")
 class Element:
     """An element type: the deformation function and its companions.
 
-    Companions are functions, too. flexmb calls them with the properties and options in their signature. A companion
-    with a property whose value is None is not called: a beam without a section has neither stiffness nor mass. A
+    Companions are functions, too. flexmb calls a companion with the properties and options in its signature. It does
+    not call a companion if one of these properties is None: a beam without a section has neither stiffness nor mass. A
     companion need not repeat the annotations of the deformation.
 
     A keyword-only parameter annotated ``Static`` is an option: any hashable value that selects code and is no number.
     ``builder.add(planar.spectral_beam, .., order=4)`` sets an option. A call of the element type,
-    ``planar.spectral_beam(order=4)`` or ``planar.spectral_beam(4)``, returns the type with that option. A companion
-    with ``**properties`` passes them to the functions among its options. Their keyword-only parameters are then
-    properties of the element.
+    ``planar.spectral_beam(order=4)`` or ``planar.spectral_beam(4)``, returns the type with that option. If a companion
+    has the parameter ``**properties``, the keyword-only parameters of the functions among its options are also
+    properties of the element. The companion passes them to these functions.
 
     Attributes:
         deformation: ``f(*nodes, ref, **properties) -> (n_e,)``, zero at ``ref`` and unchanged by rigid motion.
@@ -56,27 +56,27 @@ class Element:
             depend on the configuration.
         energy: ``f(e, *, ref, **properties) -> ()`` [J], elastic energy of a nonlinear element. Its derivative by e is
             the stress.
-        dissipation: ``f(e, ed, *, ref, **properties) -> ()`` [W], zero at rest. Its derivative by ed is the stress, so
-            that it is half the power of a linear damper.
+        dissipation: ``f(e, ed, *, ref, **properties) -> ()`` [W], zero at rest. Its derivative by ed is the stress. For
+            a linear damper it is therefore half of the power.
         law: ``f(e, ed, *, ref, **properties) -> (n_e,)``, stress resultants without a potential: friction, contact, a
             characteristic. An element may have several of these companions; their stresses add up.
         resultants: ``f(*nodes, ref, place, sigma, **properties) -> (6,)``, force and moment in the cross-section at a
-            place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,): normal
-            force, shear forces along y and z [N], torque, bending moments about y and z [N m], in axes of the section
-            there. The part beyond the place exerts them on the part before it, on the face with normal +x, so that a
-            positive normal force pulls. flexmb calls it for flexible elements with a section. A function with the
-            parameter ``fall`` also receives the acceleration of free fall minus the acceleration of each vector s,
-            (k, d) [m/s^2], or None without loads on the mass. Without that parameter distributed loads act on the ends.
+            place, 0 at the first end and 1 at the last, from the element's stress resultants sigma (n_e,). They are the
+            normal force, shear forces along y and z [N], torque, and bending moments about y and z [N m], in axes of
+            the section there. The part beyond the place exerts them on the face with normal +x. A positive normal force
+            therefore pulls. flexmb calls it for flexible elements with a section. A function with the parameter
+            ``fall`` also receives the acceleration of free fall minus the acceleration of each vector s, (k, d)
+            [m/s^2], or None without loads on the mass. Without that parameter distributed loads act on the ends.
         surface: ``f(e, *, ref, place, resultants, **properties) -> (sigma_x, tau, across)``, stress at eight points of
             the surface at a place, from the deformations minus initial strains (n_e,) and the force and moment there
             (6,): stress along x, shear stress along the surface counter-clockwise about x, and normal stress along the
             surface across x, each (8,) [Pa]. Without it the section computes the stress, with no stress across x.
-        thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, deformations of the free element by a change
-            of temperature. The element has no stress there, and FIXED deformations are held there. ``change``, (2,)
-            [K], is the change at the first and the last end, linear in between. ``gradient`` [K/m] is its gradient
-            across the element: along the section's local y and z in space, (2,); along its local z in the plane, to
-            the left of the way from the first end to the last, (1,). An element that does not bend leaves ``gradient``
-            out. flexmb calls it for elements with a temperature.
+        thermal: ``f(change, gradient, *, ref, **properties) -> (n_e,)``, deformations of the unloaded element after a
+            change of temperature. With these deformations the element has no stress; FIXED deformations get these
+            values. ``change``, (2,) [K], is the change at the first and the last end, linear in between. ``gradient``
+            [K/m] is its gradient across the element: along the section's local y and z in space, (2,); along its local
+            z in the plane, to the left of the way from the first end to the last, (1,). An element that does not bend
+            leaves ``gradient`` out. flexmb calls it for elements with a temperature.
         shape: ``f(*nodes, ref, place, **properties) -> (d,)``, position of a point of the element for pictures, 0 at
             the first end and 1 at the last. Its properties are among the properties of the deformation. Without it an
             element with two points and two rotations is drawn as a cubic, any other as a line between its points.
@@ -86,8 +86,8 @@ class Element:
             values the deformations before the coefficients are zero. Its properties are among the properties of the
             deformation.
         check: ``f(*, ref, **properties) -> list[str]``: faults of geometry or properties, for concrete numbers. The
-            checks of this package also accept many elements at once, stacked along leading axes, and traced numbers,
-            whose conditions they note.
+            checks of this package also accept many elements at once, stacked along leading axes. They accept traced
+            numbers and record the conditions on them.
         released: Numbers (from 1) of the deformations that are DEPENDENT by default, or "all". The others are FIXED.
             None: the deformations of the strain fields; without strain fields, all of an elastic element and none of
             any other.

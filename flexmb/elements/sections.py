@@ -31,11 +31,13 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     """Return the damping rigidities of a leaf spring for a damping ratio at one frequency.
 
     With ``frequency``, vibrations of this frequency have the ratio: damping is stiffness times ratio/(pi frequency).
-    Without it, each stiffness k vibrates with the whole mass m of the spring, as in the tutorial: d = 2 ratio
-    sqrt(k m). The length converts d to a rigidity. In bending this frequency is sqrt(EI/(m L^3))/(2 pi).
+    Without ``frequency``, each stiffness k vibrates with the whole mass m of the spring, as in the tutorial: d = 2
+    ratio sqrt(k m). The length converts d to a rigidity. In bending, k and m have the frequency
+    sqrt(EI/(m L^3))/(2 pi).
 
-    A mode of a mechanism has the ratio times the frequency of the mode over this frequency. A guide of 10.8 Hz on leaf
-    springs of 11.9 Hz has 0.0091 for a ratio of 0.01. :func:`flexmb.damped` damps all modes by chosen ratios.
+    The damping ratio of a mode is ``ratio`` times the mode's frequency over this frequency. Example: for a ratio of
+    0.01, a guide of 10.8 Hz on leaf springs of 11.9 Hz has the damping ratio 0.0091. :func:`flexmb.damped` damps all
+    modes by chosen ratios.
 
     For a leaf spring of several beams, give the length of the whole leaf spring. A ``leaf_spring`` is stiffer near its
     clamps than its section, so its ratio is smaller. ``Material(damping=ratio/(pi * frequency))`` includes these parts.
@@ -44,13 +46,13 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         section: Cross-section with mass.
         length: Length of the spring, () [m].
         ratio: Damping ratio, () [-].
-        frequency: Frequency at which vibrations have this ratio, () [Hz]; by default the frequencies of the spring.
+        frequency: Frequency at which vibrations have this ratio, () [Hz]; by default the frequencies of k and m.
 
     Returns:
         Damping rigidities.
 
     Raises:
-        TypeError: Wrong type of section or number.
+        TypeError: The section or a number has the wrong type.
         ModelError: The length or the frequency is not positive, or the ratio is negative.
 
     Source:
@@ -172,7 +174,7 @@ def warping_factor(
         Factor on G It, () [-]; 1 for no clamped end.
 
     Raises:
-        ModelError: A length that is not positive; an invalid Poisson's ratio, modulus or number of ends.
+        ModelError: The length is not positive; Poisson's ratio, the modulus or the number of ends is invalid.
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
@@ -210,7 +212,7 @@ class Rectangle(Section):
         torsion: "series" or "approximate" (4.9).
         warping_length: Length of the whole leaf spring [m] for restrained warping at clamped ends, otherwise None.
         clamped_ends: Number of ends at which warping is restrained.
-        warping_modulus: "plate" or "beam", see :func:`warping_factor`; also of the warping rigidity EIw.
+        warping_modulus: "plate" or "beam", see :func:`warping_factor`; it also applies to the warping rigidity EIw.
     """
 
     width: Scalar
@@ -224,7 +226,7 @@ class Rectangle(Section):
     warping_modulus: Literal["plate", "beam"] = static(default="plate")
 
     def faults(self) -> list[str]:
-        """Return the faults of the numbers, and more than two clamped ends."""
+        """Return the faults of the numbers, such as more than two clamped ends."""
         known = self.clamped_ends in (0, 1, 2)
         return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
 
@@ -245,8 +247,8 @@ class Rectangle(Section):
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
         """Return the stress at corners and middles of the sides, from the corner at +y, +z counter-clockwise about x.
 
-        Torsion is Saint-Venant's, also with restrained warping. The stress by restrained warping, and its share of the
-        torque, are neglected. A ``leaf_spring`` includes both, see :mod:`flexmb.elements.leaf_stress`.
+        The torsion stress is Saint-Venant's, also with restrained warping. The stress due to restrained warping, and
+        its share of the torque, are neglected. A ``leaf_spring`` includes both, see :mod:`flexmb.elements.leaf_stress`.
 
         Args:
             resultants: (6,) [N, N m].
@@ -277,7 +279,7 @@ class HollowRectangle(Section):
     shear = False
 
     def faults(self) -> list[str]:
-        """Return the faults of the numbers, and walls that leave no hole."""
+        """Return the faults of the numbers, such as walls that leave no hole."""
         sides = {"wall_y": self.width, "wall_z": self.thickness}
         thick = [n for n, side in sides.items() if not holds(2 * as_known(getattr(self, n)) < as_known(side))]
         return super().faults() + [f"{n} = {getattr(self, n)}, which leaves no hole between two walls" for n in thick]
@@ -353,7 +355,7 @@ class Tube(Section):
     shear = False
 
     def faults(self) -> list[str]:
-        """Return the faults of the numbers, and a wall that leaves no hole."""
+        """Return the faults of the numbers, such as a wall that leaves no hole."""
         thin = holds(2 * as_known(self.wall) < as_known(self.diameter))
         return super().faults() + ([] if thin else [f"wall = {self.wall}, which leaves no hole in the tube"])
 
@@ -396,12 +398,12 @@ def _from_geometry(
 def notch_circular(
     width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, material: Material, shear: bool = False
 ) -> Profile:
-    """Return the section of a bar with a circular notch from both sides, the hinge of Paros and Weisbord.
+    """Return the section of a bar with a circular notch on both sides, the hinge of Paros and Weisbord.
 
-    In beam theory the neck warps freely. A short neck between thick parts does not: a solid model with a neck of
-    0.3 mm, 10 mm wide, radius 5 mm, is eleven times as stiff in torsion. The other stiffnesses of a spectral beam with
-    shear are within 6 %. :func:`hinge_circular` includes the restrained warping. A row of 34 ``spatial.warping_beam``,
-    shorter near the neck and with the mean of 1/t^3, is 17 % too stiff in torsion and otherwise within 6 %.
+    In beam theory the neck warps freely. A short neck between thick parts does not: a solid model (neck 0.3 mm, width
+    10 mm, radius 5 mm) is eleven times as stiff in torsion. The other stiffnesses of a spectral beam with shear are
+    within 6 %. :func:`hinge_circular` includes the restrained warping. A row of 34 ``spatial.warping_beam``, shorter
+    near the neck and with the mean of 1/t^3, is 17 % too stiff in torsion; its other stiffnesses are within 6 %.
 
     Args:
         width: Side of the bar along local y, () [m].
@@ -446,7 +448,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         ModelError: A size that is not positive, a neck that is higher than the bar.
 
     Warns:
-        BeamTheoryWarning: Neck/radius above 0.25, or a width below twice sqrt(radius neck).
+        BeamTheoryWarning: Neck/radius is above 0.25, or the width is below twice sqrt(radius neck).
 
     Source:
         THEORY.md 2, eq. (2.60) and (2.61).
@@ -459,7 +461,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
 def notch_elliptic(
     width: Scalar, height: Scalar, neck: Scalar, along: Scalar, across: Scalar, material: Material, shear: bool = False
 ) -> Profile:
-    """Return the section of a bar with an elliptic notch from both sides in its middle.
+    """Return the section of a bar with an elliptic notch on both sides in its middle.
 
     Args:
         width: Side of the bar along local y, () [m].
@@ -506,7 +508,7 @@ def notch_filleted(
     material: Material,
     shear: bool = False,
 ) -> Profile:
-    """Return the section of a bar with a long notch from both sides in its middle and rounded corners.
+    """Return the section of a bar with a long notch on both sides in its middle and rounded corners.
 
     Args:
         width: Side of the bar along local y, () [m].
@@ -521,7 +523,7 @@ def notch_filleted(
         The section of the whole beam, whose length is at least flat + 2 radius.
 
     Raises:
-        ModelError: A size that is not positive, a neck that is higher than the bar, a radius beyond its depth.
+        ModelError: A size is not positive, the neck is higher than the bar, or the radius is larger than the depth.
 
     Source:
         Lobontiu (2003), Compliant Mechanisms, section 2.3: the shape.
