@@ -48,7 +48,7 @@ class Comparison(Result):
 
     @property
     def worst(self) -> tuple[str, float]:
-        """The measurement with the largest difference, and this difference in standard deviations [-]."""
+        """Measurement with the largest difference, and this difference in standard deviations [-]."""
         sizes = {name: float(np.max(np.abs(rows))) for name, rows in self.in_deviations.items()}
         name = max(sizes, key=lambda one: sizes[one])
         return name, sizes[name]

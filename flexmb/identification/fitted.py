@@ -84,15 +84,16 @@ class Fit(Result):
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter, lower and upper end [SI].
 
-        The interval is symmetric, for a logarithmic scale in the logarithm of the parameter. It uses the linearised
-        model at the fit; :meth:`profile` does not.
+        The interval is symmetric; for a logarithmic scale, it is symmetric in the logarithm of the parameter. It uses
+        the linearised model at the fit; :meth:`profile` does not.
 
         Args:
-            name: Of a parameter; "height[3]" for an entry of an array.
+            name: Name of a parameter; "height[3]" for an entry of an array.
             level: Probability that the interval contains the true value [-].
 
         Returns:
-            Lower and upper end; 0 or minus infinity, and infinity, if the data do not determine the parameter.
+            Lower and upper end. If the data do not determine the parameter, the ends are 0 or minus infinity, and
+            infinity.
 
         Raises:
             KeyError: No such parameter.
@@ -219,7 +220,7 @@ class Fit(Result):
         """Sample the posterior distribution of the parameters, which need not be normal.
 
         Without a prior, a parameter has a uniform density between its bounds, in its logarithm if its scale is
-        logarithmic. An unknown standard deviation of the values has a density of one over the deviation. flexmb
+        logarithmic. An unknown standard deviation of the values has a prior density proportional to 1/deviation. flexmb
         integrates over this deviation.
 
         Args:
@@ -271,8 +272,8 @@ class Fit(Result):
         Args:
             candidates: Measurements as for :func:`flexmb.fit`, with expected standard deviations. flexmb ignores their
                 values.
-            narrow: Name or names of the parameters with standard deviations to reduce (A-optimal). By default, the
-                volume of the confidence region of all parameters (D-optimal).
+            narrow: Name or names of the parameters whose standard deviations to reduce (A-optimal). By default flexmb
+                reduces the volume of the confidence region of all parameters (D-optimal).
 
         Returns:
             Name of each candidate and the remaining fraction of the standard deviation [-], the best candidate first.

@@ -28,7 +28,8 @@ class Measured:
         parameters: Names of the fitted parameters of ``answer``, such as the offset of a sensor.
         over: Place of each value on the axis of a picture, (m,).
         label: Name of this axis, with its unit.
-        check: ``check(model)`` raises ValueError if the model has no value, such as a measured mode without partner.
+        check: ``check(model)`` raises ValueError if the model has no value, such as for a measured mode without
+            partner.
         relative: Whether ``answer`` returns the logarithms of the ratios of computed to measured values: first the real
             parts, then the imaginary parts.
     """
@@ -110,7 +111,7 @@ def measured(
             parameters, by name: ``lambda model, offset: reading(model) + offset`` fits the offset of a sensor too.
         values: Measured values, () or (m,) [unit of the answer].
         deviation: Standard deviation of the values, () or (m,) [unit of the answer]. Omit it if it is not known. A fit
-            then estimates a common standard deviation of all values from the differences. This needs data with a
+            then estimates a common standard deviation of all values from the differences. The data must then be this
             single measurement, so that all values have the same unit.
         covariance: Covariance of correlated values, (m, m), in place of ``deviation``.
         name: Name in tables and messages; by default the text of the question or the name of the function.

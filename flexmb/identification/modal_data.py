@@ -38,7 +38,7 @@ class ModalData(Result):
         residues: Residues of the poles with positive frequency, (outputs, modes) [unit of the response times rad/s].
         shapes: Real mode shapes at the outputs, with largest entry 1, (outputs, modes) [-].
         poles: Poles with positive frequency, (modes,) [rad/s].
-        fitted: Response of these modes and of two terms for modes outside the band, (n_f, outputs) [unit of the
+        fitted: Response of these modes plus two terms for modes outside the band, (n_f, outputs) [unit of the
             response].
         noise: Root mean square of the differences in standard deviations, or relative to the response without
             ``deviation`` [-].

@@ -11,15 +11,15 @@ from .problem import FitProblem
 
 @dataclasses.dataclass(frozen=True)
 class Undetermined:
-    """Parameters that may change together with hardly any change of the computed values.
+    """Parameters that may change together and hardly change the computed values.
 
     Attributes:
         names: Names of the k parameters.
         change: Change of each parameter, with the largest change equal to 1, (k,) [-]. Changes are relative to the
-            parameter (logarithmic scale) or to the distance of its bounds (linear scale).
+            parameter (logarithmic scale) or to the distance between its bounds (linear scale).
         determined: Determined products of powers of these parameters, in words; may be empty.
-        deviation: Standard deviation along the change, as a share of the bounds [-]; infinite if the computed values do
-            not change at all.
+        deviation: Standard deviation along the change, as a share of the distance between the bounds [-]; infinite if
+            the computed values do not change at all.
     """
 
     names: tuple[str, ...]
