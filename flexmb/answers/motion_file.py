@@ -14,9 +14,10 @@ from ..results import RESULTS
 def save_motion(motion: Motion, path: str | os.PathLike) -> None:
     """Save a motion with its times, coordinates, rates, deformations, stresses, reactions, energies, and their names.
 
-    The file stores the arrays of :class:`flexmb.motion.Motion` and :class:`flexmb.motion.Observed` under their names; times are
-    the first axis. "x_names" and "e_names" are the names of the columns, "u_names" of the columns of a controller's inputs.
-    "about" is JSON with units, form, solver, steps and result. Times that the motion did not reach are left out.
+    The file stores the arrays of :class:`flexmb.motion.Motion` and :class:`flexmb.motion.Observed` under their names;
+    times are the first axis. "x_names" and "e_names" are the names of the columns, "u_names" of the columns of a
+    controller's inputs. "about" is JSON with units, form, solver, steps and result. Times that the motion did not reach
+    are left out.
 
     Args:
         motion: Motion.

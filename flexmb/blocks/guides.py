@@ -1,7 +1,8 @@
 """Guides: stages on parallel leaf springs that move along one line or two.
 
-Drive stiffnesses follow from clamped beams in sway, in parallel and in series: THEORY.md 13, eq. (13.1). Near its clamps a leaf
-spring acts as a plate. This multiplies its stiffness by a factor, eq. (13.9): 1.04 if the width is a fifth of the length.
+Drive stiffnesses follow from clamped beams in sway, in parallel and in series: THEORY.md 13, eq. (13.1). Near its
+clamps a leaf spring acts as a plate. This multiplies its stiffness by a factor, eq. (13.9): 1.04 if the width is a
+fifth of the length.
 """
 
 from typing import Any
@@ -54,8 +55,8 @@ def parallel_guide(
             that is uniform or varies smoothly, else a spectral beam.
 
     Returns:
-        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same for leaf 2, rigidly attached to base and stage;
-        elements "<name> leaf 1" and 2.
+        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same for leaf 2, rigidly attached to base and
+        stage; elements "<name> leaf 1" and 2.
 
     Raises:
         ModelError: The base does not exist, a name exists already, a direction is invalid, or a size is not positive.
@@ -87,8 +88,8 @@ def double_parallel_guide(
 ) -> str:
     """Folded guide: a parallel guide that hangs in another one, so that the stage moves on a straighter line.
 
-    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One guide sinks as far as the other rises.
-    Only the leaf springs hold the middle body along the line of motion.
+    Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One guide sinks as far as the other
+    rises. Only the leaf springs hold the middle body along the line of motion.
 
     Args:
         b: Builder of the mechanism.

@@ -30,9 +30,9 @@ def notch_hinge(
 
     Its six stiffnesses are within 5 % of solid elements if neck/radius is at most 0.2 and the width at least twice
     sqrt(radius neck). A thin and narrow neck has the rotational stiffness 2 E width neck^(5/2)/(9 pi radius^(1/2)). The
-    stiffness of a wide neck is up to 1/(1 - nu^2) times as large. If you choose an ``element``, its section follows plain beam
-    theory, without the fit to solid elements. For another notch, use :func:`flexmb.blocks.wire_flexure` with a section such as
-    ``fm.sections.notch_filleted(..)``.
+    stiffness of a wide neck is up to 1/(1 - nu^2) times as large. If you choose an ``element``, its section follows
+    plain beam theory, without the fit to solid elements. For another notch, use :func:`flexmb.blocks.wire_flexure` with
+    a section such as ``fm.sections.notch_filleted(..)``.
 
     Args:
         b: Builder of the mechanism.

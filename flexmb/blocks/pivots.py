@@ -1,8 +1,8 @@
 """Pivots: leaf springs whose lines meet in an axis, about which the stage turns.
 
-The line of a leaf spring meets the axis at the fraction lambda of its length, measured from either end; the axis may lie beyond
-the ends. The rotational stiffness is 4 EI/L (1 - 3 lambda + 3 lambda^2) by beam theory: THEORY.md 13, eq. (13.3). The clamps
-make the leaf spring stiffer, eq. (13.10): by 1 to 6 % if the width is a fifth of the length.
+The line of a leaf spring meets the axis at the fraction lambda of its length, measured from either end; the axis may
+lie beyond the ends. The rotational stiffness is 4 EI/L (1 - 3 lambda + 3 lambda^2) by beam theory: THEORY.md 13, eq.
+(13.3). The clamps make the leaf spring stiffer, eq. (13.10): by 1 to 6 % if the width is a fifth of the length.
 """
 
 from typing import Any
@@ -48,14 +48,14 @@ def cross_pivot(
         section: Section of one leaf spring.
         ratio: Place of the crossing as a fraction of their length from the base, () [-].
         half_angle: Angle between a leaf spring and ``along``, () [rad].
-        apart: Distance between the leaf springs along their width, in space only, () [m]. By default both lie in one plane.
-            This also models a pivot of three springs: one between two of half its width.
+        apart: Distance between the leaf springs along their width, in space only, () [m]. By default both lie in one
+            plane. This also models a pivot of three springs: one between two of half its width.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 
     Returns:
-        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same for leaf 2, and "<name> axis", the point of the
-        stage on the axis; elements "<name> leaf 1" and 2.
+        Name of the stage. Nodes: "<name> foot 1", "<name> top 1" and the same for leaf 2, and "<name> axis", the point
+        of the stage on the axis; elements "<name> leaf 1" and 2.
 
     Raises:
         ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane; a length that is not positive, an

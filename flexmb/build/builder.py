@@ -160,9 +160,9 @@ class Builder(Description):
             name: Its name; by default the type and a number.
             released: Names or numbers (from 1) of the deformations that may change, or "all". The others are FIXED, at
                 zero or at their thermal value. The name of a strain field releases all of its coefficients. By default
-                all deformations of an elastic element are released, and none of a rigid element. The closure of a spectral beam
-                is released by its name only. Deformations that are only measured (turns of gears and belts, warping) are always
-                released.
+                all deformations of an elastic element are released, and none of a rigid element. The closure of a
+                spectral beam is released by its name only. Deformations that are only measured (turns of gears and
+                belts, warping) are always released.
             properties: Properties of the element type, such as ``section``, and its options, such as ``order``.
 
         Returns:
@@ -423,8 +423,8 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]. For a rotation: forces dual to its coordinates. For the internal
-                coordinates of an element: forces dual to these coordinates, from the first on.
+            force: Components along the global axes [N]. For a rotation: forces dual to its coordinates. For the
+                internal coordinates of an element: forces dual to these coordinates, from the first on.
             increment: Whether the force belongs to the incremental loads.
             follower: Whether the force turns with the node's rotation; it then has no potential.
         """
@@ -540,8 +540,8 @@ class Builder(Description):
             increment: Whether the change belongs to the incremental loads.
 
         Raises:
-            ModelError: The element is unknown, does not expand with temperature or has no ``alpha``; the element has a gradient
-                but does not bend; numbers are invalid or too many.
+            ModelError: The element is unknown, does not expand with temperature or has no ``alpha``; the element has a
+                gradient but does not bend; numbers are invalid or too many.
         """
         check_flag("increment", increment, ModelError)
         name, member = str(element), self._member(element)
@@ -619,9 +619,9 @@ class Builder(Description):
             component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
                 space "rx", "ry" or "rz" about this global axis: the rotation, angular velocity, angular acceleration or
                 moment of a support. In linearised equations, a rotation is infinitesimal and counts from the state of
-                linearisation. In a simulation, it is a component of the sum of two rotation vectors: from the undeformed
-                mechanism to the start, and from the start to the present state. It jumps at a full turn; the angle of a hinge
-                does not.
+                linearisation. In a simulation, it is a component of the sum of two rotation vectors: from the
+                undeformed mechanism to the start, and from the start to the present state. It jumps at a full turn; the
+                angle of a hinge does not.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation. "reaction" is the force or
                 moment of the support on a FIXED or PRESCRIBED coordinate. "deformation", "deformation rate",
                 "deformation acceleration" or "stress" of a deformation; the stress of a FIXED deformation is the
@@ -767,8 +767,8 @@ class Builder(Description):
             dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom, and adds
                 only coefficients of spectral beams that they leave undetermined. Or a list of names, as in
                 ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
-            release: "auto" releases deformations until no over-constraint remains: first of elastic elements, then of joints
-                and supports. It needs ``check=True`` and positions of nodes that are not traced.
+            release: "auto" releases deformations until no over-constraint remains: first of elastic elements, then of
+                joints and supports. It needs ``check=True`` and positions of nodes that are not traced.
             check: Whether to check the number and the rank of the constraints; traced numbers are not checked.
 
         Returns:

@@ -53,8 +53,8 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
     """Test whether the functions of an element type obey the laws that analyses rely on.
 
     - Deformations are zero in the undeformed mechanism and do not change in rigid motion.
-    - First and second derivatives are right in the undeformed mechanism, near it and away from it: by the coordinates, by the
-      undeformed coordinates and by the properties.
+    - First and second derivatives are right in the undeformed mechanism, near it and away from it: by the coordinates,
+      by the undeformed coordinates and by the properties.
     - Stress is the slope of the energy; stiffness and damping are symmetric.
     - Mass is symmetric and positive semidefinite, and rigid motion does not change the kinetic energy.
 

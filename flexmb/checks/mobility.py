@@ -49,8 +49,9 @@ class Mobility(Result):
         underconstraints: Number of independent motions that no constraint and no DOF prevents.
         self_stress: One state of self-stress per column, in the order of e, (n_e, overconstraints) [N, N m].
         motion: One motion per column, in the order of x, (n_x, underconstraints) [m, rad, -].
-        candidates: Possible releases for each over-constraint, once the earlier ones are released: elastic deformations,
-            otherwise deformations of joints and single supports. The first candidate leaves the smallest self-stress.
+        candidates: Possible releases for each over-constraint, once the earlier ones are released: elastic
+            deformations, otherwise deformations of joints and single supports. The first candidate leaves the smallest
+            self-stress.
         model: The mechanism.
     """
 

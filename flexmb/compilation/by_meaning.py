@@ -29,8 +29,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     JAX accepts compiler options only at the outermost call. Under a trace the function is compiled with its caller.
 
     Args:
-        function: Function of pytrees of arrays. Keyword arguments are options; flexmb compiles the function for each value of
-            them.
+        function: Function of pytrees of arrays. Keyword arguments are options; flexmb compiles the function for each
+            value of them.
 
     Returns:
         The compiled function.

@@ -71,7 +71,7 @@ class FrequencyResponse(Labelled, Record):
         return jnp.abs(self.of(output, input))
 
     def phase(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
-        """Return the phase lead of one output over one input, (n_f,) [rad]; continuous, and within pi at the first frequency.
+        """Return the phase lead of one output over one input, (n_f,) [rad]; continuous from the first frequency on.
 
         Args:
             output, input: As for :meth:`of`.
@@ -128,8 +128,8 @@ class FrequencyResponse(Labelled, Record):
 
         Raises:
             ImportError: pyuff is not installed.
-            ValueError: The file has no frequency response, its responses differ in frequencies, or a pair of output and input
-                is missing.
+            ValueError: The file has no frequency response, its responses differ in frequencies, or a pair of output and
+                input is missing.
             OSError: The file cannot be read.
         """
         held = read(path)
@@ -212,8 +212,8 @@ def frequency_response(
     """Return the response of the outputs to harmonic inputs; thousands of frequencies take one call.
 
     The response includes the damping of the elements or of :func:`flexmb.damped`, and structural damping. Only a
-    response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with their
-    damping. About a state of motion, the response is of the equations with the matrices of this one state.
+    response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with
+    their damping. About a state of motion, the response is of the equations with the matrices of this one state.
 
     Args:
         model: Mechanism, or its linearisation; differentiable in its parameters, also for repeated frequencies.
@@ -221,15 +221,15 @@ def frequency_response(
         inputs, outputs: Names of the wanted inputs and outputs; all by default.
         loss_factor: Structural damping K0 (1 + i eta), at all frequencies including 0 Hz: one loss factor eta [-] for
             all elements, or by name or Material, as in :func:`flexmb.damped`.
-        method: "modes" sums over all undamped modes. More frequencies then cost almost nothing, unless damping couples the
-            modes and their amplitudes must be solved for. "direct" solves for the degrees of freedom at each frequency. Both
-            are exact but for round-off. "direct" keeps more digits if the contributions of many modes cancel, such as in the
-            internal stress due to an internal actuator far below the resonances. By default "modes", or "direct" without real
-            modes: for an unsymmetric stiffness, about a state of motion, and with sparse matrices.
+        method: "modes" sums over all undamped modes. More frequencies then cost almost nothing, unless damping couples
+            the modes and their amplitudes must be solved for. "direct" solves for the degrees of freedom at each
+            frequency. Both are exact but for round-off. "direct" keeps more digits if the contributions of many modes
+            cancel, such as in the internal stress due to an internal actuator far below the resonances. The default is
+            "direct" without real modes (unsymmetric stiffness, state of motion, sparse matrices), otherwise "modes".
         sparse: Solve with sparse matrices at each frequency, in all coordinates of a model that needs no degrees of
             freedom; see :func:`flexmb.equilibrium`. By default chosen by size.
-        solver: "sparse" or "dense" for the same; a LinearSolver computes the static solution, and sparse factors compute the
-            complex solutions.
+        solver: "sparse" or "dense" for the same; a LinearSolver computes the static solution, and sparse factors
+            compute the complex solutions.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:

@@ -24,8 +24,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
 
     Beyond the limits the integrators of a linear controller are corrected, so that their outputs follow the limit with
     the time constant ``tracking``: z' = A z + B y + V (C V)^+ (sat(u) - u)/T, with the eigenvectors V of the
-    eigenvalues that do not decay. For a sampled controller, the correction per sample has the factor 1 - exp(-h/T). Other
-    states do not change.
+    eigenvalues that do not decay. For a sampled controller, the correction per sample has the factor 1 - exp(-h/T).
+    Other states do not change.
 
     Args:
         controller: Any ``control`` of :func:`flexmb.simulate`. For your own :class:`flexmb.motion.Feedback` or Sampled,
@@ -38,8 +38,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
         Feedback, or Sampled for a sampled controller.
 
     Raises:
-        ModelError: The controller or the limits are invalid; ``tracking`` is missing or not needed; integrators form a chain,
-            which one time constant cannot correct; A is traced, so that its integrators are unknown.
+        ModelError: The controller or the limits are invalid; ``tracking`` is missing or not needed; integrators form a
+            chain, which one time constant cannot correct; A is traced, so that its integrators are unknown.
 
     Source:
         THEORY.md 14, eq. (14.41).
@@ -122,8 +122,8 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
 
     Args:
         controller: Any ``control`` of :func:`flexmb.simulate`.
-        law: Function of time that returns the numbers to add to the outputs of the controller, (n_u,) [N, N m], such as a
-            :class:`flexmb.motion.Table`. A sampled controller keeps them constant between samples.
+        law: Function of time that returns the numbers to add to the outputs of the controller, (n_u,) [N, N m], such as
+            a :class:`flexmb.motion.Table`. A sampled controller keeps them constant between samples.
 
     Returns:
         Feedback, or Sampled for a sampled controller.
@@ -152,8 +152,8 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
     """Return a controller whose gains or matrices change along a trajectory, linearly between times.
 
     Args:
-        times: Ascending, (n_t,) [s]. Gains are constant before the first and after the last. A simulation does not stop at
-            these times unless ``jumps`` lists them.
+        times: Ascending, (n_t,) [s]. Gains are constant before the first and after the last. A simulation does not stop
+            at these times unless ``jumps`` lists them.
         controllers: Gains at these times, (n_t,) for one output and one input of the mechanism, or (n_t, n_u, n_y); or
             systems of python-control with the same states.
 
@@ -161,8 +161,8 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
         Feedback, or Sampled for sampled systems.
 
     Raises:
-        ModelError: Times do not ascend, their number differs from the number of controllers, or systems differ in their number
-            of states or signals, names or sampling intervals.
+        ModelError: Times do not ascend, their number differs from the number of controllers, or systems differ in their
+            number of states or signals, names or sampling intervals.
 
     Source:
         u = K(t) y (as spacntrl of SPACAR), or z' = A(t) z + B(t) y, u = C(t) z + D(t) y.
@@ -228,8 +228,8 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
         ``control.StateSpace`` with the names of the controller.
 
     Raises:
-        ModelError: The controller is no linear system, the delay is no whole number of samples, or the order is missing or not
-            needed.
+        ModelError: The controller is no linear system, the delay is no whole number of samples, or the order is missing
+            or not needed.
         TypeError: Numbers of the controller or the delay are traced.
 
     Source:

@@ -143,17 +143,18 @@ def noise_budget(
             parameters.
         hertz: Ascending frequencies, (n_f,) [Hz], dense enough to resolve every resonance.
         sources: One-sided power spectral densities [unit^2/Hz]: a number, an array, (n_f,), for ``hertz``, or a
-            function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to the input, such as the motion of
-            a floor. Or "sensor " and the name of an output, for noise added to the controller's reading.
-        band: Lowest and highest frequency [Hz]. flexmb chooses frequencies densely near each pole, and where a density function
-            bends or jumps. A band from 0 Hz starts at 1e-4 of the slowest pole. flexmb finds a peak of a density if it extends
-            1e-3 of its frequency to each side. For narrower peaks, and for densities that ``jax.jit`` traces, use ``hertz``.
+            function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to the input, such as the
+            motion of a floor. Or "sensor " and the name of an output, for noise added to the controller's reading.
+        band: Lowest and highest frequency [Hz]. flexmb chooses frequencies densely near each pole, and where a density
+            function bends or jumps. A band from 0 Hz starts at 1e-4 of the slowest pole. flexmb finds a peak of a
+            density if it extends 1e-3 of its frequency to each side. For narrower peaks, and for densities that
+            ``jax.jit`` traces, use ``hertz``.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
-            n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,) for one
-            output and one input. Matrices and results of functions may be traced. If the controller is a function, flexmb does
-            not check the stability of the loop.
-        measured: Names of the outputs that the controller reads, in its order. Default: names of the controller's inputs, or
-            all outputs if it has no names.
+            n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
+            for one output and one input. Matrices and results of functions may be traced. If the controller is a
+            function, flexmb does not check the stability of the loop.
+        measured: Names of the outputs that the controller reads, in its order. Default: names of the controller's
+            inputs, or all outputs if it has no names.
         driven: Names of the inputs that the controller drives, in its order. Default: names of the controller's
             outputs, or all inputs.
         sign: -1 for u = -K y, as in ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
@@ -161,12 +162,12 @@ def noise_budget(
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        NoiseBudget. A root mean square is infinite in three cases: white noise reaches the output directly, such as from
-            a force to an acceleration; white noise makes the output drift; or, under a trace, the loop is not stable.
+        NoiseBudget. A root mean square is infinite in three cases: white noise reaches the output directly, such as
+        from a force to an acceleration; white noise makes the output drift; or, under a trace, the loop is not stable.
 
     Raises:
-        AnalysisError: unstable: the mechanism or the loop does not come to rest, or has an undamped resonance within the
-            frequencies, so that its noise is unbounded. Also failures of the linearisation.
+        AnalysisError: unstable: the mechanism or the loop does not come to rest, or has an undamped resonance within
+            the frequencies, so that its noise is unbounded. Also failures of the linearisation.
         ModelError: No controller reads a sensor with noise, there are no outputs, or an input moves nothing.
         KeyError: A source, output or input is unknown.
         ValueError: There are no sources; a density is negative or has a wrong shape; a density that is no number has
@@ -174,8 +175,8 @@ def noise_budget(
             a controller that is a function.
 
     Warns:
-        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a density function,
-            or a loop with a controller function, has peaks that are too sharp to resolve.
+        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a density
+            function, or a loop with a controller function, has peaks that are too sharp to resolve.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).

@@ -95,9 +95,9 @@ def to_nonlinear_system(
 ) -> "control.NonlinearIOSystem":
     """Return the nonlinear mechanism as a plant for ``control.input_output_response`` and similar functions.
 
-    States are the degrees of freedom, counted from the undeformed mechanism, and their rates. Inputs and outputs are the ones
-    named in the builder. Rotations in space count from the undeformed mechanism. Each evaluation solves for the other
-    coordinates, starting from the last evaluation, in steps if the change is large.
+    States are the degrees of freedom, counted from the undeformed mechanism, and their rates. Inputs and outputs are
+    the ones named in the builder. Rotations in space count from the undeformed mechanism. Each evaluation solves for
+    the other coordinates, starting from the last evaluation, in steps if the change is large.
 
     Args:
         model: Mechanism with named inputs and outputs.

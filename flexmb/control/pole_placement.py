@@ -68,9 +68,9 @@ def pid(
 ) -> control.StateSpace:
     """Return a PID controller with filter that places all poles of its loop with one moving mass.
 
-    The plant is one motion, m q'' + d q' + k q = u: a rigid body or the lowest mode of the mechanism. With C(s) = (kd s^2 + kp
-    s + ki)/(s (T s + 1)) the loop has four poles. The four numbers of the controller place them at (s^2 + 2 zeta w s + w^2)(s +
-    slow w)(s + fast w), with w = 2 pi bandwidth. Check the whole model by :func:`closed_loop`.
+    The plant is one motion, m q'' + d q' + k q = u: a rigid body or the lowest mode of the mechanism. With C(s) = (kd
+    s^2 + kp s + ki)/(s (T s + 1)) the loop has four poles. The four numbers of the controller place them at (s^2 + 2
+    zeta w s + w^2)(s + slow w)(s + fast w), with w = 2 pi bandwidth. Check the whole model by :func:`closed_loop`.
 
     Args:
         model: Mechanism or its linearisation, whose lowest mode is used; or a state space of one motion.
@@ -82,8 +82,8 @@ def pid(
         input, output: Names of the model's signals, if it has several.
 
     Returns:
-        ``control.StateSpace`` that reads reference - y, with the names of the model. Its states are the integrator (none if
-        ``slow`` is 0) and the filter.
+        ``control.StateSpace`` that reads reference - y, with the names of the model. Its states are the integrator
+        (none if ``slow`` is 0) and the filter.
 
     Raises:
         ModelError: An input or output is unknown, the output is no position, or the plant has more than one motion.
@@ -145,9 +145,9 @@ def _chosen(name: str | None, there: list[str], what: str) -> int:
 def notch(frequency: float, depth: float = 0.1, width: float = 1.0) -> control.TransferFunction:
     """Return a filter that lowers the gain at one frequency, where a resonance would make a loop unstable.
 
-    N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and 1 far from w.
-    A depth above 1 gives a peak. A product in python-control loses the names, so give them again: ``control.ss(pid *
-    fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
+    N(s) = (s^2 + depth width w s + w^2)/(s^2 + width w s + w^2): its gain is ``depth`` at w = 2 pi frequency and 1 far
+    from w. A depth above 1 gives a peak. A product in python-control loses the names, so give them again:
+    ``control.ss(pid * fm.control.notch(120.0), inputs=pid.input_labels, outputs=pid.output_labels)``.
 
     Args:
         frequency: Centre of the notch [Hz].

@@ -37,8 +37,8 @@ class SecondOrder(NamedTuple):
     """M q'' + C q' + K q = B0 p + B1 p' + B2 p'',  y = C0 q + C1 q' + C2 q'' + D0 p + D1 p' + D2 p''.
 
     p equals the input u, with one exception. If u is the velocity or acceleration of a constrained coordinate, p is its
-    displacement, and u is the derivative of p of order ``orders``. In the frequency domain, with s = i w, for input j: q = (s^2
-    M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
+    displacement, and u is the derivative of p of order ``orders``. In the frequency domain, with s = i w, for input j:
+    q = (s^2 M + s C + K)^-1 (B0 + s B1 + s^2 B2)[:, j] u_j / s^orders[j].
 
     Attributes:
         M, C, K: Mass, damping and stiffness of the degrees of freedom, (n_q, n_q) [SI].
@@ -138,7 +138,8 @@ def second_order(lin: Linearization) -> SecondOrder:
 
     Source:
         THEORY.md 14, eq. (14.1) to (14.4). The equations about the state are set up with constrained coordinates
-            free, and their stiffness includes constraint forces. Columns of moved coordinates go to the right-hand side.
+            free, and their stiffness includes constraint forces. Columns of moved coordinates go to the right-hand
+            side.
     """
     model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())

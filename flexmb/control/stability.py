@@ -79,8 +79,8 @@ class ClosedLoop(Result):
         system: From the reference of every output to the outputs, ``control.StateSpace`` with the names of the model;
             sampled if the controller is.
         opened: Open loop, from the controller's error to the mechanism's outputs.
-        poles: Poles, the slowest to decay first, (n,) [rad/s]. For a sampled loop: poles of a continuous loop with the same
-            values at the samples.
+        poles: Poles, the slowest to decay first, (n,) [rad/s]. For a sampled loop: poles of a continuous loop with the
+            same values at the samples.
         margins: Margins for each input of the mechanism.
         uncertainty: Round-off of each pole, (n,) [rad/s], at most 1e-9 of the fastest pole. The round-off of coinciding
             poles may be larger.
@@ -122,15 +122,16 @@ class ClosedLoop(Result):
 def closed_loop(model: Model | Linearization | control.StateSpace, controller: Any, *, sign: int = -1) -> ClosedLoop:
     """Return the linear loop of a mechanism and a controller, with its poles and margins.
 
-    flexmb warns if the loop is unstable. :func:`flexmb.simulate` does not check the stability, which would take a fifth of its
-    compile time; it raises an error if the motion runs away.
+    flexmb warns if the loop is unstable. :func:`flexmb.simulate` does not check the stability, which would take a fifth
+    of its compile time; it raises an error if the motion runs away.
 
     Args:
-        model: Mechanism, linearised about its equilibrium; or a linearisation, such as from :func:`flexmb.damped`; or a state
-            space, such as ``fm.to_statespace(model, bandwidth=300.0)``.
-        controller: System of python-control from the outputs to the inputs, continuous or sampled. It is connected by names or
-            in order, like ``control`` of :func:`flexmb.simulate`. A sampled controller reads the mechanism at its samples and
-            keeps its output constant in between. An acceleration or force that it reads still belongs to its previous output.
+        model: Mechanism, linearised about its equilibrium; or a linearisation, such as from :func:`flexmb.damped`; or a
+            state space, such as ``fm.to_statespace(model, bandwidth=300.0)``.
+        controller: System of python-control from the outputs to the inputs, continuous or sampled. It is connected by
+            names or in order, like ``control`` of :func:`flexmb.simulate`. A sampled controller reads the mechanism at
+            its samples and keeps its output constant in between. An acceleration or force that it reads still belongs
+            to its previous output.
         sign: -1 for a controller that reads reference - y, as with ``reference`` of :func:`flexmb.simulate`; 1 for a
             controller that reads y.
 
@@ -138,8 +139,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         ClosedLoop.
 
     Raises:
-        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system or does not fit the model; the state
-            space of the mechanism is sampled; numbers of the mechanism or the controller are not finite.
+        ModelError: As :func:`flexmb.to_statespace`; the controller is no linear system or does not fit the model; the
+            state space of the mechanism is sampled; numbers of the mechanism or the controller are not finite.
         TypeError: Numbers of the controller or the model are traced.
         ValueError: ``sign`` is neither -1 nor 1.
 

@@ -210,13 +210,13 @@ def state_matrices(
 ) -> tuple[StateMatrices, list[str]]:
     """Return state-space matrices about the static equilibrium, for the model's named inputs and outputs.
 
-    States are the degrees of freedom that carry mass, and their rates. Motions without mass are condensed statically, without
-    their damping. If all coordinates are constrained there are no states, and D relates outputs to inputs.
+    States are the degrees of freedom that carry mass, and their rates. Motions without mass are condensed statically,
+    without their damping. If all coordinates are constrained there are no states, and D relates outputs to inputs.
 
     Inputs that move a constrained coordinate change the states:
 
-    - A displacement adds no states. The states are the degrees of freedom minus their immediate motion by the inertia of
-      the input; their names end in "shifted".
+    - A displacement adds no states. The states are the degrees of freedom minus their immediate motion by the inertia
+      of the input; their names end in "shifted".
     - A velocity adds its integral to the states, an acceleration both integrals; they are named "moved by" the input.
 
     An output that needs a rate of an input raises an error that names the quantity to use. An example is the
@@ -224,15 +224,16 @@ def state_matrices(
 
     Args:
         model: Mechanism, or its linearisation, also along a motion: times are then the first axis of the matrices.
-            Differentiable in its parameters for named inputs and outputs. flexmb finds the motions without mass from concrete
-            numbers. Under a trace it assumes that all motions carry mass, and D is NaN where an output needs a rate of an
-            input.
-        modes: Number of the lowest modes to keep, or their numbers, from 0; states are their amplitudes [m sqrt(kg)] and rates.
-            The other modes follow the inputs statically; they also follow an acceleration of a constrained coordinate by their
-            inertia. Responses of positions, deformations, stresses and reactions are exact at rest and almost exact in the
-            band. Velocities and accelerations of the other modes would need rates of the inputs and are left out. Such outputs
-            are therefore wrong by the share of the other modes in the static flexibility. Damping of the other modes does not
-            act on kept modes. Differentiable if the frequencies of kept modes differ from all others.
+            Differentiable in its parameters for named inputs and outputs. flexmb finds the motions without mass from
+            concrete numbers. Under a trace it assumes that all motions carry mass, and D is NaN where an output needs a
+            rate of an input.
+        modes: Number of the lowest modes to keep, or their numbers, from 0; states are their amplitudes [m sqrt(kg)]
+            and rates. The other modes follow the inputs statically; they also follow an acceleration of a constrained
+            coordinate by their inertia. Responses of positions, deformations, stresses and reactions are exact at rest
+            and almost exact in the band. Velocities and accelerations of the other modes would need rates of the inputs
+            and are left out. Such outputs are therefore wrong by the share of the other modes in the static
+            flexibility. Damping of the other modes does not act on kept modes. Differentiable if the frequencies of
+            kept modes differ from all others.
         bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
         sparse: Compute modes with sparse matrices in all coordinates, for a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium`. By default chosen by size, if ``modes`` or ``bandwidth`` is given.
@@ -243,20 +244,20 @@ def state_matrices(
 
     Raises:
         ModelError: An input moves nothing, or an output needs a rate of an input.
-        AnalysisError: singular_mass: no degree of freedom carries mass, or a motion has negative mass. Also failures of the
-            linearisation.
+        AnalysisError: singular_mass: no degree of freedom carries mass, or a motion has negative mass. Also failures of
+            the linearisation.
         ValueError: ``modes`` and ``bandwidth`` are both given, modes are unknown, no mode is below the bandwidth, or a
             mode that does not vibrate would be left out.
         NotImplementedError: ``modes`` or ``bandwidth`` for an unsymmetric stiffness.
 
     Warns:
-        FlexmbWarning: The neglected damping of motions without mass changes responses at the frequencies of poles by more than
-            1 %; or kept modes have an error above 1 % in their band, see :func:`to_statespace`.
+        FlexmbWarning: The neglected damping of motions without mass changes responses at the frequencies of poles by
+            more than 1 %; or kept modes have an error above 1 % in their band, see :func:`to_statespace`.
 
     Source:
         THEORY.md 7, eq. (7.7), with modes (7.14); tutorial WA 1239 (2012), eq. (2.3) and (A.4): A = [[0, I], [-M0^-1 K,
-        -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T; motions of constrained coordinates and constraint
-        forces: 14, eq. (14.1) to (14.5).
+        -M0^-1 (C0 + D0)]], a stress input adds to sigma: B = -M0^-1 DFe^T. For constraint forces and motions of
+        constrained coordinates see 14, eq. (14.1) to (14.5).
     """
     few = modes is not None or bandwidth is not None
     lin = (
@@ -459,8 +460,8 @@ def to_statespace(
     """Return the linearised mechanism as a ``control.StateSpace`` with names of states, inputs and outputs.
 
     Args:
-        model: Mechanism, or its linearisation; of a motion the linearisation at one time, ``lin.at_time(0)``. The damping comes
-            from the elements, or from :func:`flexmb.damped`.
+        model: Mechanism, or its linearisation; of a motion the linearisation at one time, ``lin.at_time(0)``. The
+            damping comes from the elements, or from :func:`flexmb.damped`.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
         modes: Number of the lowest modes to keep, or their numbers, from 0; see :func:`state_matrices`. Use few states
             for controller design: python-control cannot compute margins with many stiff states.
@@ -469,11 +470,11 @@ def to_statespace(
 
     Returns:
         control.StateSpace with the matrices of :func:`state_matrices`. With kept modes it has an attribute
-        ``truncation_error``, (n_y, n_u) [-]: largest error of the response of each output to each input, up to ``bandwidth`` or
-        the highest mode kept. The reference has all modes. It is computed at 120 frequencies over two decades and beside each
-        mode; with sparse matrices at 40 frequencies and at two beside each mode. The difference is divided by the larger of two
-        numbers: the full response at the frequency, and its median within half an octave to both sides. An antiresonance
-        therefore does not count.
+        ``truncation_error``, (n_y, n_u) [-]: largest error of the response of each output to each input, up to
+        ``bandwidth`` or the highest mode kept. The reference has all modes. It is computed at 120 frequencies over two
+        decades and beside each mode; with sparse matrices at 40 frequencies and at two beside each mode. The difference
+        is divided by the full response at the frequency, or by its median within half an octave to both sides if this
+        is larger. An antiresonance therefore does not count.
 
     Raises:
         ModelError: The model names no inputs or no outputs, an output needs a rate of an input, or an input moves

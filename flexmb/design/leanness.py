@@ -25,8 +25,8 @@ CLAMPED = 4.730040744862704
 def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: Sequence[str] = ()) -> tuple[str, ...]:
     """Return the reasons why a model is too lean for a question; empty if there are none.
 
-    flexmb checks two reasons: FIXED deformations with a known stiffness, which it releases all at once, and SPACAR beams
-    that vibrate between their ends.
+    flexmb checks two reasons: FIXED deformations with a known stiffness, which it releases all at once, and SPACAR
+    beams that vibrate between their ends.
 
     Args:
         model: Mechanism.
@@ -42,8 +42,8 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
         AnalysisError: The equilibrium of the model, or of the model with released deformations, fails or is unstable.
 
     Source:
-        Vibrations with both ends clamped, beside static shapes: Craig, Bampton (1968), AIAA Journal 6, 1313. The distance to
-        the band is our choice.
+        Vibrations with both ends clamped, beside static shapes: Craig, Bampton (1968), AIAA Journal 6, 1313. The
+        distance to the band is our choice.
     """
     if not isinstance(model, Model):
         raise ModelError(f"Argument `model` must be a Model, not {type(model).__name__}.")

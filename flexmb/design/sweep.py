@@ -53,12 +53,12 @@ def sweep(
     Args:
         build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
             chooses them once, at the first design that can be built.
-        answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several answers, or
-            a dictionary by name.
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
+            answers, or a dictionary by name.
         designs: Dimensions by name with the designs along the first axis, (designs, ...) [SI]: :func:`grid`,
             :func:`latin_hypercube`, :func:`monte_carlo`, or arrays of your own.
-        compiled: False for analyses that cannot be traced, such as ``fm.poles`` or ``fm.path``; flexmb then computes one design
-            after the other.
+        compiled: False for analyses that cannot be traced, such as ``fm.poles`` or ``fm.path``; flexmb then computes
+            one design after the other.
         chunk: Number of designs between two checkpoints, and in one task of an executor.
         together: Number of designs computed at once. More than one is faster on a GPU (on a CPU only for small models:
             many LAPACK calls at once may hang).
@@ -79,9 +79,10 @@ def sweep(
         units: Units by name, for labels.
 
     Returns:
-        Sweep with answers (designs, ...), and codes (designs,) of RESULTS. A failed design does not stop the sweep. A design
-        that ``build`` refuses with concrete numbers has the code impossible_design. A design at an unstable equilibrium has
-        answers and the code unstable_state. Designs whose leaf springs are clamped differently are compiled separately.
+        Sweep with answers (designs, ...), and codes (designs,) of RESULTS. A failed design does not stop the sweep. A
+        design that ``build`` refuses with concrete numbers has the code impossible_design. A design at an unstable
+        equilibrium has answers and the code unstable_state. Designs whose leaf springs are clamped differently are
+        compiled separately.
 
     Raises:
         ValueError: ``build`` does not accept a dimension or lacks one; numbers of designs differ; names collide; a pool

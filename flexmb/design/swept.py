@@ -104,7 +104,8 @@ class Sweep(Labelled):
 
         Raises:
             KeyError: There is no such name.
-            ValueError: There is no criterion, a criterion is repeated, an array has no entry number, or no design has answers.
+            ValueError: There is no criterion, a criterion is repeated, an array has no entry number, or no design has
+                answers.
 
         Source:
             Definition: a design is left out if another one is no worse in all criteria and better in one.

@@ -79,8 +79,8 @@ def tune(
     Args:
         build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
             chooses them once, at the start.
-        answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several answers, or
-            a dictionary by name.
+        answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
+            answers, or a dictionary by name.
         dimensions: Start, numbers or arrays by name [SI].
         bounds: Lower and upper value of each dimension by name [SI].
         minimize: Name of the answer to minimise.

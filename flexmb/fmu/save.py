@@ -1,4 +1,4 @@
-"""A mechanism as a functional mock-up unit (FMU): one file that other simulation programs import."""
+"""Export of a mechanism as a functional mock-up unit (FMU): one file that other simulation programs import."""
 
 import hashlib
 import io
@@ -77,54 +77,57 @@ def save_fmu(
 ) -> Fmu:
     """Save a mechanism as a functional mock-up unit, which Simulink, Dymola, OpenModelica and others import.
 
-    The unit does co-simulation and model exchange, and needs neither Python nor flexmb where it runs. It contains
-    sources in C99. If this machine has a C compiler (``$CC``, cc, gcc or clang), it also contains the library for this
-    platform. Exporting twice gives the same bytes.
+    The unit supports co-simulation and model exchange. It runs without Python and flexmb. It contains sources in C99.
+    If this machine has a C compiler (``$CC``, cc, gcc or clang), it also contains the library for this platform.
+    Exporting twice gives the same bytes.
 
-    Co-simulation holds the inputs during each step. Linear plants then move exactly, by a matrix exponential that is
-    kept for steps of the same length. Time-varying plants move by Magnus' series of fourth order, in substeps that end
-    at the knots. Model exchange gives rates to the importer's solver. Light damping at kilohertz is hard for such
-    solvers: keep fewer ``modes`` or co-simulate. Nonlinear plants are integrated by Rosenbrock's method of order five,
-    with the importer's relative tolerance or 1e-6. States below a millimetre or a milliradian count as one in it. The
-    Jacobian takes as many evaluations a step as there are states. Stops and barriers are looked for at 17 places of a
-    step.
+    In co-simulation the inputs are constant during each step:
+
+    - A linear plant moves exactly, by a matrix exponential, which the unit stores for steps of the same length.
+    - A time-varying plant moves by a Magnus series of fourth order, in substeps that end at the knots.
+    - A nonlinear plant moves by a Rosenbrock method of order five, with the importer's relative tolerance or 1e-6.
+      States below a millimetre or a milliradian are compared with a millimetre or a milliradian. Each step evaluates
+      the equations once per state for the Jacobian. The unit looks for stops and barriers at 17 places of a step.
+
+    In model exchange the unit returns rates to the importer's solver. Light damping at kilohertz is hard for such
+    solvers: keep fewer ``modes``, or use co-simulation.
 
     Args:
         system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system
             along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of a time-varying system are
             nominal values and deviations together. Its nominal inputs are outputs too, named "nominal u".
-        path: File ending in .fmu. The unit has its name.
+        path: Path of the file; it ends in .fmu. The unit has the name of the file.
         fmi: Version of the standard, 3 or 2.
-        start: Start values of states, by name or all in order; default zero. Importers can set them as "state q".
+        start: Start values of states, by name, or all in order; zero by default. Importers can set them: "state q".
         units: SI units by the names of inputs, outputs and states, such as "m/s" or "N.m". A Model or Linearization
             knows the units of forces and motions.
         modes: Modes of a Model or Linearization, see :func:`flexmb.to_statespace`.
-        bandwidth: Bandwidth of a Model or Linearization, likewise [Hz].
-        substep: Longest step of the integration of a time-varying system, () [s]; default a quarter of the shortest
+        bandwidth: Bandwidth of a Model or Linearization [Hz], see :func:`flexmb.to_statespace`.
+        substep: Longest step of the integration of a time-varying system, () [s]; by default a quarter of the shortest
             time between two knots. It is a parameter of the unit.
-        nonlinear: Export a Model with all its nonlinearity instead of its linear state space: the right-hand side is
-            translated to C. It starts at the builder's start values, unless ``start`` has others.
+        nonlinear: Export the nonlinear equations of a Model instead of its linear state space. flexmb translates the
+            right-hand side to C. The unit starts at the builder's start values, unless ``start`` has others.
         loads: Loads of a nonlinear unit as functions of time, see :class:`flexmb.motion.Drives`.
-        motion: Prescribed motion of a nonlinear unit, likewise.
+        motion: Prescribed motion of a nonlinear unit, see :class:`flexmb.motion.Drives`.
 
     Returns:
         Fmu with names and units. A position y [m] counts from the undeformed mechanism, or in a linear unit from the
-        state of the linearisation, as its description says. Each position has an output "absolute y" beside it. A, B,
-        C and a D that is not zero are parameters, along a motion at all knots and with u0 and y0: arrays in FMI 3.0 and
-        scalars "A[1,2]" in FMI 2.0, up to 50000 and 5000 numbers. Larger ones lie in the folder of resources, and
-        cannot be set.
+        state of the linearisation; the description of y states this. Each position has an additional output "absolute
+        y". A, B, C and a D that is not zero are parameters; along a motion, at all knots and with u0 and y0. They are
+        arrays in FMI 3.0 (up to 50000 numbers) and scalars "A[1,2]" in FMI 2.0 (up to 5000). Larger matrices are files
+        in the folder of resources and cannot be set.
 
     Raises:
         ValueError: The path has another ending, there is no such version, an argument does not belong to this system,
             the state space is sampled, or FMI forbids a name or another variable of the unit has it.
-        ModelError: As :func:`flexmb.to_statespace`; of a nonlinear unit, an element or a function of time calls back to
-            Python or has no translation, or a simulation does not give an output.
-        TypeError: The system is of another type.
+        ModelError: As :func:`flexmb.to_statespace`; for a nonlinear unit, an element or a function of time calls back
+            to Python or has no translation, or a simulation has no such output.
+        TypeError: The system has another type.
         OSError: The file cannot be written.
 
     Warns:
-        FlexmbWarning: There is no compiler, or it fails: the unit has only sources. A nonlinear mechanism starts
-            stressed by strain or imperfection, unasked.
+        FlexmbWarning: There is no compiler, or it fails: the unit has only sources. A strain or an imperfection
+            stresses a nonlinear mechanism at its start.
 
     Source:
         Functional Mock-up Interface 3.0 and 2.0; THEORY.md 14, eq. (14.50) to (14.54).

@@ -1,8 +1,8 @@
-"""Rotations in space by Euler parameters, to write elements and read results: ``fm.rotations``.
+"""Rotations in space by Euler parameters, for elements and results: ``fm.rotations``.
 
-Euler parameters (scalar first, unit norm) are cos(a/2), then sin(a/2) along the axis, for a turn by the angle a,
-counter-clockwise seen against the axis. All axes are global. Every function is differentiable everywhere, at zero
-rotation too.
+The Euler parameters of a turn by the angle a are (cos(a/2), n sin(a/2)), scalar first, with the unit vector n of the
+axis. The turn is counter-clockwise for an observer who looks against n. All axes are global. Every function is
+differentiable everywhere, at zero rotation too.
 """
 
 import jax.numpy as jnp
@@ -40,8 +40,8 @@ def from_axis_angle(axis: Float[ArrayLike, "3"], angle: Float[ArrayLike, ""]) ->
     """Euler parameters of a rotation about an axis.
 
     Args:
-        axis: Of any nonzero length, (3,).
-        angle: Counter-clockwise seen against the axis, () [rad].
+        axis: Axis, of any nonzero length, (3,).
+        angle: Angle, counter-clockwise for an observer who looks against the axis, () [rad].
 
     Returns:
         (4,) [-], scalar first.
@@ -60,7 +60,7 @@ def to_vector(rotation: Float[ArrayLike, "4"]) -> Float[Array, "3"]:
         rotation: Euler parameters, (4,) [-].
 
     Returns:
-        (3,) [rad], within a full turn to either side.
+        (3,) [rad], with a length of at most one full turn.
 
     Source:
         Definition.
@@ -88,7 +88,7 @@ def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Fl
 
     Args:
         rotation: Euler parameters, (4,) [-].
-        vector: (3,), of any unit.
+        vector: Vector, (3,), of any unit.
 
     Returns:
         (3,), of the unit of the vector.

@@ -243,25 +243,26 @@ class Model(Result, Record):
     one_axis = "parameters.reference"
 
     def without_names(self) -> Model:
-        """The mechanism without names, for compiled code that other names share."""
+        """The mechanism without names, so that mechanisms with other names share compiled code."""
         own = self.labels
         inputs, outputs = (tuple(s.without_name() for s in some) for some in (own.inputs, own.outputs))
         return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
 
     def with_property(self, path: str, values: Any, elements: Sequence[str] | None = None) -> Model:
-        """The mechanism with other numbers for one property of its elements, without building it again.
+        """Return the mechanism with other numbers for one property of its elements, without building it again.
 
-        A thousand elements take as little time as one, also under ``jax.grad`` and in ``fm.tune``. Results of the build
-        stay: found degrees of freedom, and the undeformed mechanism.
+        A thousand elements take as little time as one, also under ``jax.grad`` and in ``fm.tune``. The degrees of
+        freedom and the undeformed mechanism stay as they were built.
 
         Args:
-            path: Property, as "section.thickness", "section.material.E" or "stiffness".
-            values: One number per element, (elements,), or one for all () [the property's unit].
-            elements: Names of the elements, in the order of the numbers; None: all with this property, in the order of
-                ``labels.elements``.
+            path: Property, such as "section.thickness", "section.material.E" or "stiffness".
+            values: One number per element, (elements,), or one number for all, () [the property's unit].
+            elements: Names of the elements, in the order of the numbers. None: all elements with this property, in the
+                order of ``labels.elements``.
 
         Raises:
-            ModelError: No such element or property, another count of numbers, or numbers that a build refuses.
+            ModelError: An element or the property does not exist, the count of numbers is wrong, or ``build`` would
+                refuse the numbers.
         """
         changed = with_property(self.topology, self.parameters, self.labels, path, values, elements)
         return dataclasses.replace(self, parameters=changed)
@@ -273,11 +274,11 @@ class Model(Result, Record):
         return [str(self.labels.x[i]) for i in _list(t.x.dof)] + [str(self.labels.e[i]) for i in _list(t.e.dof)]
 
     def roles(self) -> tuple[list[Role], list[Role]]:
-        """Role of every coordinate and of every deformation, unit norms included."""
+        """Role of every coordinate and every deformation, including unit norms."""
         return _roles(self.topology.x), _roles(self.topology.e)
 
     def signals(self) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
-        """Inputs and outputs, which note whether the present roles hold what they are about."""
+        """Inputs and outputs, with a note whether their coordinates are constrained in the present roles."""
         held = None
         if is_concrete(self.topology):
             held = [{*_list(own.fixed), *_list(own.prescribed)} for own in (self.topology.x, self.topology.e)]
@@ -308,7 +309,7 @@ class Model(Result, Record):
         return {"nx": nx, "ne": ne, "nxo": nxo, "neo": neo, "ndof": nx - nxo - neo}
 
     def overview(self) -> str:
-        """Table of every coordinate and deformation with its role, as the predecessor's DOF overview."""
+        """Table of every coordinate and deformation with its role."""
         lines = [f"NDOF = NX - NXO - NEO = {'{nx} - {nxo} - {neo} = {ndof}'.format(**self.counts())}"]
         x_roles, e_roles = self.roles()
         lines.append(f"degrees of freedom named: {self.topology.n_q}")
@@ -330,7 +331,7 @@ class Model(Result, Record):
         return States(self, self.parameters.reference)
 
     def summary(self) -> Summary:
-        """Counts, and the names of the degrees of freedom."""
+        """Return the counts, and the names of the degrees of freedom."""
         names, t = self.labels, self.topology
         if len(names.x) != t.n_x:
             return super().summary()

@@ -250,8 +250,8 @@ def limit_load(
         throw: Raise if no limit point is found; otherwise the result is NaN.
 
     Returns:
-        () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda). It is finite; the derivative of the displacement is
-        infinite there.
+        () [-], with derivative -psi^T dr/dp / (psi^T dr/dlambda). This derivative is finite, although the derivative of
+        the displacement is infinite there.
 
     Raises:
         AnalysisError: max_steps: no limit point within the steps; not_converged or singular_configuration;

@@ -52,14 +52,14 @@ LOST = (RESULTS.closed_path, RESULTS.max_steps)
 
 
 class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
-    """Equilibria along a path, steps as first axis. The arrays of ``matrices`` are attributes of this object too.
+    """Equilibria along a path; steps are the first axis. The arrays of ``matrices`` are attributes of this object too.
 
     Attributes:
         load_factor: Load factor, (steps,) [-].
         matrices: Coordinates ``x`` (steps, n_x), deformations ``e`` and stress resultants ``sigma`` (steps, n_e),
             ``reactions`` (steps, n_x), and the linearisation M0, C0, D0, K0, N0, G0 (steps, n_q, n_q) at each step.
-        eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; of complex eigenvalues the
-            real parts; infinite for a motion without mass.
+        eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts if they are
+            complex; infinite for a motion without mass.
         multipliers: Load multipliers of linear buckling about each step, sorted by magnitude, with sign, (steps, n_q)
             [-]. They scale all loads at that step, or additional incremental loads. Infinite if the load has no effect.
         stable: Whether each step is stable, (steps,): all eigenvalues are positive. For loads without a potential they
@@ -107,7 +107,7 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         return Linearization(jax.device_put(at_step), self.model)
 
     def linearizations(self) -> Linearization:
-        """Return the linearised equations at all steps, steps as first axis."""
+        """Return the linearised equations at all steps; steps are the first axis."""
         return Linearization(self.matrices, self.model)
 
     def at_critical_points(self) -> "Path":
@@ -227,14 +227,14 @@ def path(
             - ``{"frequency 1": 5.0}`` [Hz] and any other quantity of :meth:`Path.along`: the path ends where the
               quantity passes the value.
         switch: Bifurcations at which the path changes to the other branch, by their number along the path from 1, and
-            the direction: 1 along the motion phi of the point, -1 against it, as ``{2: -1}`` or ``{1: 1, 3: -1}``. True
-            or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the path came along phi, 1 selects the direction of rising load
-            factor on the other branch, and -1 the direction of falling load factor.
+            the direction: 1 along the motion phi of the point, -1 against it. Examples: ``{2: -1}``, ``{1: 1, 3: -1}``.
+            True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the path came along phi, 1 selects the direction of rising
+            load factor on the other branch, and -1 the direction of falling load factor.
         imperfection: Imperfection of the undeformed mechanism, free of stress: the largest displacement [m] of each
-            buckling mode, by its number from 1, as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about the
-            first state of the path, for the increasing loads. A positive imperfection increases the coordinate with the
-            largest displacement. A motion of ``path.model`` starts in this shape, and its start values count from it;
-            with sparse matrices and without start values, use ``initial``.
+            buckling mode, by its number from 1, such as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about
+            the first state of the path, for the increasing loads. A positive imperfection increases the coordinate with
+            the largest displacement. A motion of ``path.model`` starts in this shape, and its start values count from
+            it; with sparse matrices and without start values, use ``initial``.
         progress: True for a progress bar, or a function of the number of states and the load factor, called before each
             step. A keyboard interruption then ends the path with the states found so far and ``result`` stopped.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
@@ -266,9 +266,9 @@ def path(
         ModelError: A stress condition, but no element has a section with a shape.
 
     Source:
-        THEORY.md 7, eq. (7.8) and (7.9). A critical point is where an eigenvalue of K changes sign; from
-        psi^T (K t + r_load t_load) = 0 the load's rate vanishes there unless psi^T r_load = 0: a limit point, or else a
-        bifurcation.
+        THEORY.md 7, eq. (7.8) and (7.9). At a critical point an eigenvalue of K changes sign. There psi^T (K t + r_load
+        t_load) = 0 becomes psi^T r_load t_load = 0. Either the rate t_load of the load is zero (limit point), or psi^T
+        r_load is zero (bifurcation).
     """
     model = as_model(model, "path")
     chosen = asked_solver(sparse, named(solver))

@@ -16,7 +16,7 @@ _mass = kernel(total_mass)
 
 @unguarded
 def mass(model: Model) -> Float[Array, ""]:
-    """Mass of the whole mechanism, distributed mass included.
+    """Return the mass of the whole mechanism, including distributed mass.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.

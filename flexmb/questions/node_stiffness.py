@@ -1,4 +1,4 @@
-"""Stiffness of a node along an axis, with all else free to move: "stiffness top.y"."""
+"""Stiffness of a node along an axis, with all other motions free: "stiffness top.y"."""
 
 from typing import Any
 
@@ -16,23 +16,23 @@ from .question import Question, axes_of, by_component, each_linearization, is_ma
 
 @unguarded
 def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool = False) -> Float[Array, ""]:
-    """Force on a node over its displacement along an axis, all else free to follow.
+    """Return the force on a node over its displacement along an axis, with all other motions free.
 
-    The drive stiffness along the motion; across it the support stiffness. At a stroke, give
-    ``fm.linearize(model, increment=1.0)``, or a model whose drive is prescribed.
+    Along the motion of the mechanism this is the drive stiffness, across it the support stiffness. For the stiffness at
+    a stroke, pass ``fm.linearize(model, increment=1.0)``, or a model whose drive is prescribed.
 
     Args:
         model: Mechanism, or its linearisation.
         node: Name of the node.
-        axis: "x", "y", "z"; "phi" for the rotation in the plane, "rx", "ry", "rz" for those in space.
-        local: In axes that turn with the node instead of the global ones.
+        axis: "x", "y", "z"; "phi" for the rotation in the plane; "rx", "ry", "rz" for rotations in space.
+        local: Use axes that turn with the node instead of global axes.
 
     Returns:
         () [N/m or N m/rad].
 
     Raises:
-        KeyError: No such node.
-        ValueError: No such axis.
+        KeyError: The node does not exist.
+        ValueError: The axis does not exist.
 
     Source:
         Inverse of the diagonal entry of :func:`flexmb.compliance`.

@@ -1,4 +1,4 @@
-"""SPACAR's input files read and written, and the interface of SPACAR Light."""
+"""Input files of SPACAR, read and written, and the interface of SPACAR Light."""
 
 from ..lazy import names
 

@@ -1,4 +1,4 @@
-"""The SPACAR Light interface as functions: a script carries over line by line."""
+"""The SPACAR Light interface as functions, so that a script can be translated line by line."""
 
 import warnings as python_warnings
 from typing import Any
@@ -25,16 +25,16 @@ TINY_STIFFNESS, TINY_MASS = 15, 150
 def spacar_light(
     nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
 ) -> LightResults:
-    """Analyse a mechanism in the form of a SPACAR Light script.
+    """Analyse a mechanism that is described like in a SPACAR Light script.
 
-    Names and meanings are those of SPACAR Light. Fields of nodes are fix, fix_pos, fix_orien, fix_x .., fix_warp,
+    Names and meanings are the same as in SPACAR Light. Fields of nodes are fix, fix_pos, fix_orien, fix_x .., fix_warp,
     force, moment, displ_x .., rot_x .., rot (loads also with _initial), mass, mominertia, transfer_in and transfer_out.
     Fields of element sets are elems, emod, smod, dens, cshape, dim, orien, nbeams, flex, warping, cw and type. Options
-    are gravity, loadsteps, rls, transfer, calcbuck, calccompl, showinputonly and silent. A warning names fields for
-    pictures.
+    are gravity, loadsteps, rls, transfer, calcbuck, calccompl, showinputonly and silent. Fields for pictures have no
+    effect; a warning names them.
 
-    Initial loads rise first, from zero to their value in ``loadsteps`` steps (10), then the others. Gravity rises with
-    the initial loads; without initial loads it is complete from the start.
+    Initial loads rise first, from zero to their value in ``loadsteps`` steps (10); then the other loads rise. Gravity
+    rises with the initial loads; without initial loads gravity acts fully from the start.
 
     Differences from SPACAR Light:
 
@@ -42,13 +42,13 @@ def spacar_light(
     - Buckling multipliers keep their sign.
     - Reaction moments are right at turned nodes.
     - With transfer the mechanism may be loaded; the state space belongs to the last step.
-    - Elements with ``warping`` share the warping of a node. It is zero where the rotation is held, at fix_warp, and
-      where a rigid element or a hinge is joined. One beam is exact for a constant torque.
+    - Elements with ``warping`` share the warping of a node. Warping is zero where the rotation is fixed, at fix_warp,
+      and where a rigid element or a hinge is joined. One beam is exact for a constant torque.
     - The axis of an element of type "hinge" is its orien.
     - ``silent`` leaves out warnings, not checks.
 
     Args:
-        nodes: Positions, one row a node, (n, 3) [m]; or the whole script in a Struct or a dictionary with the fields
+        nodes: Positions, one row per node, (n, 3) [m]; or the whole script in a Struct or a dictionary with the fields
             coordinates, connect, nprops, eprops and optionally opt.
         elements: Numbers from 1 of the nodes of each element, (m, 2).
         nprops: Properties of nodes: a StructArray, a dictionary by number, or a list that begins with node 1.
@@ -56,10 +56,10 @@ def spacar_light(
         opt: Options: a dictionary or a Struct.
 
     Returns:
-        LightResults, with results under the predecessor's names, the Model and its Builder.
+        LightResults, with results under the names of SPACAR Light, the Model and its Builder.
 
     Raises:
-        ModelError: A field is unknown or wrong; one line each, by node, element or set.
+        ModelError: A field is unknown or wrong; the message has one line per field, by node, element or set.
         MechanismError: The mechanism is under-constrained, or over-constrained beyond possible releases.
         AnalysisError: A load step has no equilibrium.
     """
@@ -86,10 +86,10 @@ def spacar_light(
 def spacar_light_model(
     nodes: Any, elements: Any = None, nprops: Any = None, eprops: Any = None, opt: Any = None
 ) -> Model:
-    """The mechanism of a SPACAR Light script, for derivatives, batches and flexmb's own functions.
+    """Return the mechanism of a SPACAR Light script, for derivatives, batches and flexmb's own functions.
 
-    Every number of the script may be traced. Traced node positions need ``opt.rls``, such as ``overconstraints`` of an
-    untraced :func:`spacar_light`.
+    Every number of the script may be traced. Traced node positions need ``opt.rls``, such as the ``overconstraints``
+    that :func:`spacar_light` returns for concrete numbers.
 
     Args:
         nodes: See :func:`spacar_light`.

@@ -1,4 +1,4 @@
-"""SPACAR input files (.dat) as Builders: every line has an effect, a fault, or a warning."""
+"""Read SPACAR input files (.dat) as Builders: every line has an effect, or raises an error or a warning."""
 
 import contextlib
 import dataclasses
@@ -78,23 +78,23 @@ def read_spacar(
 
     - PLSBEAM and SBEAM are spectral beams of order p (default 4). In RLSE, DYNE, ESIG and EINIT the numbers of a beam's
       deformations mean whole strain fields; numbers from 4 in the plane and 7 in space mean single coefficients.
-    - LEAF and PLLEAF are leaf springs of order p (default 6) with the rectangle of SECTION. RLSE and DYNE accept
-      numbers as for spectral beams, single coefficients in space from 9. Free warping is a degree of freedom by itself;
-      CLAMP sets which ends are clamped if flexmb shall not find them.
+    - LEAF and PLLEAF are leaf springs of order p (default 6) with the rectangle of SECTION. RLSE and DYNE accept the
+      same numbers as for spectral beams; single coefficients in space start at 9. Free warping is a separate degree of
+      freedom. CLAMP states the clamped ends; without CLAMP flexmb finds them.
     - PLBELT has radii, positive if the belt passes to the left of the centre on the way from p to q.
-    - SCREW has the deformations 1 displacement less pitch times turn, 2 turn, 3 and 4 displacement off the axis, 5 and
-      6 tilt.
+    - SCREW has the deformations 1: displacement minus pitch times turn, 2: turn, 3 and 4: displacement off the axis, 5
+      and 6: tilt.
 
     Args:
         path_or_text: Path of a file, or its text if it has more than one line.
         callables: User routines by the names in USERSIG and USERINP.
-        numbers: Values of the names in placeholders such as "{t}" or "{pi*t**2/4}", which may be traced; pi is known.
+        numbers: Values of the names in placeholders such as "{t}" or "{pi*t**2/4}"; they may be traced. pi is known.
 
     Returns:
-        SpacarModel with an unbuilt Builder, to which more can be added.
+        SpacarModel with a Builder that is not built yet, so that you can add nodes and elements.
 
     Raises:
-        SpacarError: The file is wrong: one line a fault, each with file, line number and keyword.
+        SpacarError: The file is wrong. The message has one line per fault, with file, line number and keyword.
         OSError: The file cannot be read.
         TypeError, ValueError: A number or a user routine is wrong.
     """

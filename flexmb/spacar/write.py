@@ -1,4 +1,4 @@
-"""Builders as SPACAR input files."""
+"""Write Builders as SPACAR input files."""
 
 from __future__ import annotations
 
@@ -44,15 +44,15 @@ _LUMPED = {
 def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
-    Nodes and elements whose names are no numbers are numbered; comments contain their names. Sections become
-    rigidities, and sizes for drawing (CROSSTYPE, CROSSDIM), from which the reader computes stress without strength or
-    fatigue; sections of leaf springs become SECTION. The file does not contain comments of a file that was read, names
-    of inputs and outputs, and user routines. Name degrees of freedom with ``dof()``: those that ``build()`` finds are
-    not written.
+    Nodes and elements whose names are no numbers get numbers; comments contain their names. Sections become rigidities,
+    and sizes for drawing (CROSSTYPE, CROSSDIM). From these sizes the reader computes stress, without strength or
+    fatigue. Sections of leaf springs become SECTION. The file does not contain comments of a file that was read, names
+    of inputs and outputs, and user routines. It contains only degrees of freedom that are named with ``dof()``, not the
+    ones that ``build()`` finds.
 
     Args:
         model: Builder, or a result of read_spacar with its settings.
-        path: Path of the file, which is written whole or not at all.
+        path: Path of the file. If writing fails, an existing file stays unchanged.
 
     Raises:
         ModelError: The format cannot express a part of the mechanism.

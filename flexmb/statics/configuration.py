@@ -183,14 +183,14 @@ def configuration(
         model: Mechanism; differentiable in its parameters.
         q: Degrees of freedom in the order of ``model.q_labels``; coordinates as displacements from their start,
             (n_q,) [m, rad]. None: the start values of the builder, or zero.
-        qd: Their rates, (n_q,) [1/s]; None likewise.
+        qd: Their rates, (n_q,) [1/s]. None: the start values of the builder, or zero.
         throw: Raise if there is no such configuration; otherwise the code is in ``result``.
 
     Returns:
         Configuration with x and xd (n_x,), e (n_e,).
 
     Raises:
-        ValueError: q or qd has not one number for each degree of freedom.
+        ValueError: q or qd does not have one number for each degree of freedom.
         AnalysisError: singular_configuration, also if round-off next to a dead point decides position or velocity; or
             out_of_reach.
 

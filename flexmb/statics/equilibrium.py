@@ -161,8 +161,8 @@ def equilibrium(
     """Return the static equilibrium under the constant loads.
 
     Newton's method iterates over configurations that satisfy the constraints. flexmb estimates the constraint forces
-    before the first step, since a hanging body has its stiffness from these forces. Beyond a buckling load the result
-    may be an unstable state, with a warning. :func:`flexmb.path` follows the path to a stable state.
+    before the first step, since the stiffness of a hanging body comes from these forces. Beyond a buckling load the
+    result may be an unstable state, with a warning. :func:`flexmb.path` follows the path to a stable state.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.

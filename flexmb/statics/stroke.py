@@ -27,12 +27,12 @@ from .stable import is_negative
 
 
 class Equilibria(ByName, Labelled, Record):
-    """Static equilibria under successive loads, states as first axis.
+    """Static equilibria under successive loads; states are the first axis.
 
     Attributes:
-        load_factor: Factor of the loads of each, (states,) [-].
-        increment: Factor of the incremental loads of each, (states,) [-].
-        each: All of them as one :class:`Equilibrium` with states as first axis, as from ``jax.vmap``.
+        load_factor: Factor of the loads in each state, (states,) [-].
+        increment: Factor of the incremental loads in each state, (states,) [-].
+        each: All states as one :class:`Equilibrium` with states as first axis, as from ``jax.vmap``.
         model: The mechanism.
     """
 
@@ -84,12 +84,12 @@ class Equilibria(ByName, Labelled, Record):
 
     @property
     def iterations(self) -> Int[Array, "states"]:
-        """Newton iterations of each, (states,)."""
+        """Newton iterations for each state, (states,)."""
         return self.each.iterations
 
     @property
     def result(self) -> Int[Array, "states"]:
-        """Code of RESULTS of each, (states,)."""
+        """Code of RESULTS of each state, (states,)."""
         return self.each.result
 
     def states(self) -> States:
@@ -148,7 +148,7 @@ def equilibria(
     Args:
         model: Mechanism; differentiable in ``model.parameters``, forward and reverse.
         increment: Factors of the incremental loads, (states,) [-]; zero by default.
-        load_factor: Factors of the loads, (states,) or one for all, () [-].
+        load_factor: Factors of the loads, (states,), or one factor for all states, () [-].
         throw: Raise if a solve fails; otherwise the codes are in ``result``. After a failure, the next search starts
             from the last equilibrium that was found.
 
@@ -156,10 +156,10 @@ def equilibria(
         Equilibria with x (states, n_x) [m, rad, -], e and sigma (states, n_e), reactions (states, n_x) [N, N m].
 
     Raises:
-        ValueError: Factors are not finite, or no list of them is given.
+        ValueError: Factors are not finite, or neither argument is a list of factors.
         ModelError: There are no incremental loads.
         AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try; not_converged
-            beyond a limit load, which ``fm.path`` passes.
+            beyond a limit load; ``fm.path`` can pass it.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some states are not stable.

@@ -1,4 +1,4 @@
-"""The viewer: a result as a page to turn and to play."""
+"""The viewer: a result as a page to rotate and to play."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -34,22 +34,22 @@ def view(
     at: Any = None,
     which: Sequence[int] | None = None,
 ) -> View:
-    """A result as a page to turn, zoom and play, which opens in any browser without a network, and in notebooks.
+    """Show a result as a page to rotate, zoom and play. It opens in any browser without a network, and in notebooks.
 
-    Modes swing about the state that they are about; a path or a motion plays, with straight lines between its states;
-    of a single state the displacement from the undeformed mechanism can be enlarged. Sections that the model gives by
-    their sides or diameter are drawn by them. A long path or motion is thinned to some million coordinates.
+    Modes vibrate about the state of their linearisation. A path or a motion plays, with linear interpolation between
+    its states. For a single state, the displacement from the undeformed mechanism can be enlarged. Sections with known
+    sides or diameter are drawn in this size. A long path or motion is thinned to about a million coordinates.
 
     Args:
         shown: Model, Linearization, Modes, Buckling, Path, Motion or Mobility.
-        stress: What colours the elements: stress or section resultants of a single state or of the state that modes
-            are about; of a path or motion one for each state.
-        quantity: Which of it, as for :func:`flexmb.plot.stress`.
-        at: With a Model: equilibrium, configuration or linearisation of it; the undeformed state unless given.
-        which: Numbers of the modes, from 0; the first twelve unless given.
+        stress: Stress or section resultants that colour the elements: of the single state or the state of the modes, or
+            of all states of a path or motion.
+        quantity: Name of the stress or resultant, as for :func:`flexmb.plot.stress`.
+        at: State of a Model: equilibrium, configuration or linearisation; by default the undeformed state.
+        which: Numbers of the modes, from 0; by default the first twelve.
 
     Returns:
-        View; ``save("file.html")`` writes it, a notebook shows it.
+        View; ``save("file.html")`` writes the page, a notebook shows it.
 
     Raises:
         TypeError: ``shown``, ``at`` or ``stress`` cannot be shown.

@@ -32,7 +32,7 @@ REMOTE = {
 
 
 def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **names: Any) -> Workbench:
-    """Open the workbench, a page on which you draw and change a mechanism with its answers beside it.
+    """Open the workbench: a page to draw and change a mechanism, with its answers beside it.
 
     A notebook shows the page in the cell; a script opens it in the browser, and ``.wait()`` waits for Ctrl-C. ``edit``
     does not change its argument: read the mechanism from the result.
@@ -50,7 +50,7 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
     Raises:
         ModuleNotFoundError: websockets is not installed.
         OSError: The file cannot be read, or the port is taken.
-        TypeError: The model is none of these.
+        TypeError: The model has another type.
         ValueError: The contents of the file are wrong.
 
     Warns:
@@ -95,7 +95,7 @@ class Workbench:
         """Return a builder with the present mechanism.
 
         Raises:
-            ModelError: Something cannot be built; the message lists all problems.
+            ModelError: A part cannot be built; the message lists all problems.
         """
         return self._server.session.builder()
 
