@@ -10,13 +10,12 @@ from .content import EditError as EditError
 from .content import Report as Report
 from .copies import OPERATIONS as COPIES
 from .edits import OPERATIONS as EDITS
-from .explode import OPERATIONS as EXPLODE
 from .mirror import OPERATIONS as MIRROR
 
 
 def apply(document: Document, ops: Any) -> tuple[Document, Report]:
-    """Apply operations, each as of :mod:`.edits`, :mod:`.copies`, :mod:`.mirror` or :mod:`.explode`: all or none."""
-    known = EDITS | COPIES | MIRROR | EXPLODE
+    """Apply operations, each as of :mod:`.edits`, :mod:`.copies` or :mod:`.mirror`: all or none."""
+    known = EDITS | COPIES | MIRROR
     if not isinstance(ops, list | tuple):
         raise EditError("", f"Edits are {shown(ops)}. They must be a list of operations.")
     ids, also, labels = [], [], []

@@ -5,7 +5,7 @@ from flexmb import planar
 from flexmb.workbench.building import build
 from flexmb.workbench.calls_of import Calls
 from flexmb.workbench.content import FORMAT, Document
-from flexmb.workbench.merged import merged
+from flexmb.workbench.from_builder import merged
 
 
 def document(b: fm.Builder) -> Document:

@@ -14,8 +14,7 @@ import pytest
 from cases.workbench import Client, served
 
 import flexmb as fm
-from flexmb.workbench.messages import LONGEST_MESSAGE
-from flexmb.workbench.server import Server
+from flexmb.workbench.server import LONGEST_MESSAGE, Server
 from flexmb.workbench.session import Session
 
 PACKAGE = Path(fm.__file__).parent

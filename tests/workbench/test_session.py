@@ -16,7 +16,7 @@ from flexmb.spacar.lines import LARGEST_FILE
 from flexmb.workbench import open_file
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
 from flexmb.workbench.document import Document
-from flexmb.workbench.messages import guarded
+from flexmb.workbench.server import guarded
 from flexmb.workbench.session import Refused, Session
 
 pytestmark = pytest.mark.timeout(120)

@@ -10,8 +10,8 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb.viewer.page import page_data
 from flexmb.workbench.counts import count
+from flexmb.workbench.live import Scenes
 from flexmb.workbench.live_answers import Answers, Wants
-from flexmb.workbench.stage import Scenes
 
 
 def answers(**wants) -> Answers:
