@@ -9,7 +9,7 @@ from . import motion as motion
 from . import plot as plot
 from . import spacar as spacar
 from . import trajectory as trajectory
-from .answers.motion_file import save_motion as save_motion
+from .answers.answer_files import save_motion as save_motion
 from .build.builder import Builder as Builder
 from .build.check_element import check_element as check_element
 from .checks.mobility import mobility as mobility

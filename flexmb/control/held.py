@@ -13,11 +13,10 @@ from ..linear.linearize import Matrices, Rates
 from ..linear.spectrum import shift_to_definite
 from ..math.indices import put
 from ..math.linear import factorise
-from ..mechanics.deformation import deformation_curvature, deformation_jacobian
+from ..mechanics.deformation import correction, deformation_curvature, deformation_jacobian, transfer
 from ..mechanics.inertia import mass_matrix, weight_stiffness
 from ..mechanics.loads import load_stiffness, without_gravity
 from ..mechanics.signals import rotation_row
-from ..mechanics.transfer import correction, transfer
 from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology

@@ -22,8 +22,7 @@ from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE
 from ..statics.equilibrium import Equilibrium
-from .energy_form import EnergyForm, energy_form
-from .feedback import Controller, Places, closed, closed_by_frequency, controller_of
+from .feedback import Controller, EnergyForm, Places, closed, closed_by_frequency, controller_of, energy_form
 from .frequency_response import check_hertz, one_of, places_of, response_of
 from .harmonic import plain
 from .noise_frequencies import areas, drawn, filled, frequencies, refined, undamped_within

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from .flatten import Atom, Equation
-from .terms import ArrayView, Lazy, Place, Value, compact, literal, reshaped, variable
-from .writer import Writer, counters
+from .writer import ArrayView, Lazy, Place, Value, Writer, compact, counters, literal, reshaped, variable
 
 # Number of terms of a sum that are written out; more make a loop.
 SHORT = 4

@@ -10,8 +10,7 @@ import numpy as np
 from ..errors import ModelError
 from .flatten import Atom, Body, Equation, FlatProgram, flattened, origin_of, read_by
 from .primitives import BY_CONSTANTS, RULES
-from .terms import ArrayView, Place, Value, variable
-from .writer import Compound, Tables, Writer
+from .writer import ArrayView, Compound, Place, Tables, Value, Writer, variable
 
 RUNTIME = Path(__file__).with_name("runtime.c")
 # Longest expression; longer ones are stored, which keeps lines readable and compilers fast.

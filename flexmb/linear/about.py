@@ -12,8 +12,7 @@ from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model, as_determined, as_model
 from ..results import check
-from ..statics.choice import by_sparse
-from ..statics.equilibrium import Equilibrium, load_factors_of
+from ..statics.equilibrium import Equilibrium, by_sparse, load_factors_of
 from .linearize import Linearization, ManyStates, linearized_about, linearized_by_elements, linearized_by_freedoms
 from .sparse_spectrum import asks_for_all
 

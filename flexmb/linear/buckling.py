@@ -18,12 +18,11 @@ from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformation_curvature, deformation_jacobian
+from ..mechanics.deformation import deformation_curvature, deformation_jacobian, multipliers
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
-from ..mechanics.transfer import multipliers
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -39,8 +38,7 @@ from ..statics.equilibrium import check_stiffness, load_factors_of
 from ..statics.newton_search import held_values
 from ..statics.solve import solve_state
 from .about import Where, few_of, is_large
-from .linearize import Linearization, ManyStates, Matrices, linearize, linearized_by_elements
-from .shapes import Shapes
+from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, linearized_by_elements
 from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
 from .spectrum import is_real
 

@@ -21,7 +21,7 @@ from ..mechanics.inertia import Felt, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
-from ..model.by_name import ByName
+from ..model.by_name import ByName, node_motions
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -515,3 +515,38 @@ def linearize(
     if chosen == DENSE_SOLVER:
         return linearized_by_freedoms(model, target, throw)
     return linearized_by_elements(model, target, throw, chosen)
+
+
+class Shapes(ByName, AboutState):
+    """Base class of modes, asked by name as the state that they are about.
+
+    Attributes:
+        shapes: Modes in the coordinates, one a column, (n_x, n).
+        lin: Linearization that they belong to.
+    """
+
+    shapes: Float[Array, "n_x n"]
+    lin: Any
+
+    @property
+    def matrices(self) -> Any:
+        """Linearised equations of the state."""
+        return self.lin.matrices
+
+    @property
+    def labels(self) -> Labels:
+        """Names."""
+        return self.lin.labels
+
+    def shape(self, node: str, component: str | None = None) -> Float[Array, "modes n"]:
+        """Return the motion of a node in each mode.
+
+        Args:
+            node: Name of the node, or "name.rotation" for its rotation alone.
+            component: One component: "x", "y", "z", "phi", "rx", "ry" or "rz".
+
+        Returns:
+            Displacements, then rotations about global axes if the node has a rotation, (modes, n), or (modes,) for one
+                component. Modes of vibration [1/sqrt(kg), rad/(m sqrt(kg))], of buckling [-].
+        """
+        return node_motions(self.labels, self.lin.x, self.shapes, node, component)

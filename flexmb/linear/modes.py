@@ -23,7 +23,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, collects, or_nan
 from ..statics.equilibrium import Equilibrium, load_factors_of, without_stiffness
 from .about import Where, by_elements, few_of, linearized
-from .linearize import Linearization, ManyStates, Matrices, linearize, matrices
+from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, matrices
 from .loose import (
     naming_culprit,
     negative_mass,
@@ -33,7 +33,6 @@ from .loose import (
     refuse_without_anything,
     without_anything,
 )
-from .shapes import Shapes
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
 from .sparse_spectrum import refuse_negative_masses

@@ -6,8 +6,7 @@ from jaxtyping import Array, Float
 
 from ..display import kind_of
 from ..mechanics.blocks import kernel
-from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.transfer import correction, transfer
+from ..mechanics.deformation import correction, deformation_jacobian, transfer
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from .about import linearized

@@ -12,7 +12,7 @@ from ..math.linear_solver import LinearSolver
 from ..math.sparse import SparseFactors
 from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
-from .lanczos import AllowedMotions, Constrained, changed, check_modes, named
+from .sparse_spectrum import AllowedMotions, Constrained, changed, check_modes, named
 
 
 class MultiplierMatrices(NamedTuple):

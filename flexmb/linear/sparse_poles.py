@@ -17,8 +17,7 @@ from ..math.linear import uneven
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..numerical_limits import FIRST_SHIFT, MASSLESS_SHARE, TRUE_POLE
 from ..results import RESULTS
-from .lanczos import FEW, SEARCHES, named, orthonormal_allowed
-from .sparse_spectrum import GROWTH, MANY
+from .sparse_spectrum import FEW, GROWTH, MANY, SEARCHES, named, orthonormal_allowed
 from .spectrum import MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
 MORE = 2

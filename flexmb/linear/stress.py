@@ -25,8 +25,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..numerical_limits import BESIDE_BREAK
 from ..results import told
-from ..statics.choice import by_sparse
-from ..statics.equilibrium import Equilibrium, equilibrium, warn_of_increment
+from ..statics.equilibrium import Equilibrium, by_sparse, equilibrium, warn_of_increment
 from .about import Where, check_state
 from .linearize import Linearization, ManyStates, Stressed
 

@@ -9,10 +9,9 @@ from ..math.indices import put
 from ..math.linear import factorise
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .deformation import deformation_curvature, deformation_jacobian
+from .deformation import Transfer, correction, deformation_curvature, deformation_jacobian, multipliers, transfer
 from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
 from .stress_resultants import element_stiffness, stress_and_tangent
-from .transfer import Transfer, correction, multipliers, transfer
 
 
 class State(NamedTuple):

@@ -10,7 +10,7 @@ from ..math.sparse import LARGE
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import Tree, tree_of
 from ..model.model import Model
-from ..statics.choice import is_long_chain
+from ..statics.equilibrium import is_long_chain
 from .chain_form import obstacle
 from .drive import Driven
 from .drives_by_name import acted_on

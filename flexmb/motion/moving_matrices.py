@@ -7,10 +7,9 @@ from jaxtyping import Array, Bool, Float
 
 from ..linear.linearize import Matrices, Rates
 from ..math.indices import put
-from ..mechanics.deformation import deformation_curvature
+from ..mechanics.deformation import Transfer, correction, deformation_curvature, multipliers, transfer
 from ..mechanics.inertia import Felt, weight_stiffness
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.transfer import Transfer, correction, multipliers, transfer
 from ..results import RESULTS
 from .coordinates_form import AllCoordinates, CoordinatesForm
 from .element_forces import Moving, acting_forces, deformed, force_derivatives

@@ -12,9 +12,8 @@ from ..compilation.compile import jit_beside_options
 from ..display import among
 from ..errors import warn
 from ..math.indices import put
-from ..mechanics.deformation import deformation_jacobian
+from ..mechanics.deformation import correction, deformation_jacobian, transfer
 from ..mechanics.extent import sizes_of
-from ..mechanics.transfer import correction, transfer
 from ..model.parameters import Parameters
 from ..numerical_limits import CONFIGURATION_STEP, MOVED_START, SETTLED_START
 from .coordinates_form import CoordinatesForm

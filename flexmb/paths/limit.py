@@ -19,8 +19,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
 from ..results import RESULTS
-from ..statics.choice import by_sparse, named
-from ..statics.equilibrium import check_stiffness
+from ..statics.equilibrium import by_sparse, check_stiffness, named
 from ..statics.solve import change_of_equations
 from ..statics.sparse import Balanced, found_equilibrium, lacking_at
 from .critical import begin_path, null_vectors

@@ -34,9 +34,8 @@ from ..progress import reporting
 from ..questions.frequency import frequencies_along
 from ..questions.over_states import Along
 from ..results import RESULTS
-from ..statics.choice import by_sparse, named
 from ..statics.coarse import warn_of_coarse
-from ..statics.equilibrium import check_stiffness
+from ..statics.equilibrium import by_sparse, check_stiffness, named
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import AnalysisError
-from ..linear.lanczos import named
+from ..linear.sparse_spectrum import named
 from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_where_held
 from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, REGULAR_TANGENT, SETTLED_MOTION

@@ -19,8 +19,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import REUSED_CORRECTION, SMALLEST_COSINE, SMALLEST_SCALE, STEP_TOLERANCE, STRAIGHT_PATH
 from ..results import RESULTS
-from ..statics.newton import ACROSS_PATH, Number
-from ..statics.newton_search import Iterate, held_values
+from ..statics.newton_search import ACROSS_PATH, Iterate, Number, held_values
 from ..statics.solve import TurnInFreedoms
 
 # A refused step is divided by this. Steps with at most so few corrections and a straight path are doubled.

@@ -13,10 +13,9 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_rate
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import put
-from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..mechanics.deformation import Transfer, correction, deformation_jacobian, transfer, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.loads import LoadFactors
-from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters

@@ -6,6 +6,8 @@ from typing import Any, ClassVar, Literal
 import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arguments import check_number, is_concrete, undifferentiated
 from ..checks.mobility import constraints, motions_of, shares
@@ -14,7 +16,7 @@ from ..compilation.record import Record, static
 from ..display import Result, States, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
 from ..math.element_matrices import Whole
-from ..math.linear_solver import DENSE, SPARSE, LinearSolver
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
@@ -27,11 +29,48 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, told
-from .choice import is_long_chain, solver_for
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
 from .stable import collect_unstable, unstable_motions, warn_of_unstable
+
+# Least number of coordinates, and of coordinates per bandwidth, from which sparse matrices solve an equilibrium of a
+# chain faster than dense; and the most bandwidth of a chain.
+LONG, LINKS, WIDEST = 120, 11, 16
+
+
+def solver_for(model: Model, sparse: bool | None, solver: Any) -> LinearSolver:
+    """Solver of a public function; by default sparse factors for a large model."""
+    return asked_solver(sparse, solver) or (SPARSE if model.topology.n_x >= LARGE else DENSE)
+
+
+def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
+    """Whether a model is solved in all coordinates."""
+    return solver_for(model, sparse, solver) != DENSE
+
+
+def named(solver: Any) -> Any:
+    """The solver, for a function that accepts no :class:`LinearSolver` but the two of this package; else TypeError."""
+    if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
+        raise TypeError('Argument `solver` must be "sparse" or "dense" here. fm.equilibrium accepts other solvers too.')
+    return solver
+
+
+def is_long_chain(topology: Topology) -> bool:
+    """Whether sparse matrices solve an equilibrium although the mechanism is not large: its matrices are narrow."""
+    if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
+        return False
+    elements = [np.asarray(block.x) for block in topology.blocks]
+    pairs = [(np.repeat(x, x.shape[1], axis=1).ravel(), np.tile(x, x.shape[1]).ravel()) for x in elements]
+    rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
+    joined = csr_array((np.ones(len(rows)), (rows, columns)), shape=(topology.n_x, topology.n_x))
+    free = np.asarray(topology.x.free)
+    graph = joined[free][:, free]
+    place = np.argsort(reverse_cuthill_mckee(graph, symmetric_mode=True))
+    rows, columns = graph.nonzero()
+    bandwidth = int(np.max(np.abs(place[rows] - place[columns]), initial=0))
+    return bandwidth <= WIDEST and len(free) > LINKS * bandwidth
+
 
 # Failures that a motion without stiffness may cause.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)

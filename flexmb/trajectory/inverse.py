@@ -19,10 +19,9 @@ from ..math.derivative import DIFFERENTIATED
 from ..math.indices import accumulate, put
 from ..math.linear import factorise
 from ..math.rotation import rotation_since
-from ..mechanics.deformation import deformations, zero_near
+from ..mechanics.deformation import Transfer, correction, deformations, transfer, zero_near
 from ..mechanics.extent import sizes_of
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, rotation_row
-from ..mechanics.transfer import Transfer, correction, transfer
 from ..model.by_name import turn_of
 from ..model.model import Model, Signal, as_determined, as_known
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
@@ -35,7 +34,7 @@ from ..motion.motion import Motion
 from ..motion.moving_matrices import carried, dynamic_balance
 from ..numerical_limits import MISSED_CONFIGURATION
 from ..results import RESULTS, check, or_nan, told
-from ..statics.strained import warn_of_needless_strain
+from ..statics.coarse import warn_of_needless_strain
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
 

@@ -6,7 +6,7 @@ import scipy.linalg
 import scipy.sparse
 
 import flexmb as fm
-from flexmb.linear.lanczos import AllowedMotions, changed, check_modes
+from flexmb.linear.sparse_spectrum import AllowedMotions, changed, check_modes
 from flexmb.math.sparse import SparseFactors
 
 

@@ -4,8 +4,7 @@ import numpy as np
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.mechanics.deformation import deformation_jacobian
-from flexmb.mechanics.transfer import transfer
+from flexmb.mechanics.deformation import deformation_jacobian, transfer
 
 
 def test_a_stiffness_along_the_degrees_of_freedom():

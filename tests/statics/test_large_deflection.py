@@ -8,7 +8,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.statics.newton import LoadStep
+from flexmb.statics.newton_search import LoadStep
 
 
 def cantilever(beams, force=(0.0, 0.0), moment=0.0, foot=0.0, tip=1.0, dofs=()):
