@@ -3608,7 +3608,7 @@ FAULTS = [
     ),
     Fault(
         "trajectory/inverse.py",
-        "if moved and parameters.start is not None",
+        "if self.moved and parameters.start is not None",
         "if False",
         "trajectory/test_inverse.py -k elbow",
         slow=True,

@@ -482,42 +482,8 @@ class _Corrected(NamedTuple):
     regular: Any
 
 
-def _closer(form: CoordinatesForm, wanted: tuple[Wanted, ...], moved: tuple[int, ...], goal: tuple[Any, ...], at: _At):
-    """One step of Newton's method towards wanted values, THEORY.md 14, eq. (14.13)."""
-    top, places, driven = form.topology, [one.place for one in wanted], jnp.array(moved, int)
-    n = top.x.dof.shape[0]
-    (held_x, held_e), target, held_q = goal
-    q = put(held_q, driven, at.q[driven]) if moved else held_q
-    x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
-    e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, q[n:])
-    e, jacobian = deformed(form.elements, at.x, at.near)
-    tangent = transfer(top, jacobian)
-    shift = put(jnp.zeros(top.n_x), top.x.given, (x_wanted - at.x)[top.x.given])
-    change = correction(top, tangent, e - e_wanted + jacobian @ shift, shift)
-    rows, dq = jnp.zeros((0, 0)), jnp.zeros(0)
-    regular = tangent.regular
-    if moved:
-        by_x = jax.jacfwd(lambda x: _measured(form, places, x, at.near))(at.x)
-        rows = by_x @ tangent.DFx[:, driven]
-        factors = factorise(rows)
-        dq = factors.solve(target - _measured(form, places, at.x, at.near) - by_x @ change)
-        change = change + tangent.DFx[:, driven] @ dq
-        regular = regular & factors.regular()
-    at = _At(accumulate(q, driven, dq) if moved else q, at.x + change, e)
-    return _Corrected(at, change, rows, regular)
-
-
 # Coordinates and held deformations; wanted values; degrees of freedom from the undeformed mechanism.
 _Goal = tuple[tuple[Any, Any], Any, Any]
-
-
-def _goal(form: CoordinatesForm, wanted: tuple[Wanted, ...], t: Float[Array, ""]) -> _Goal:
-    """Everything that is given at a time."""
-    none, start = jnp.zeros(form.size), form.parameters.start
-    whole = form.whole(t, none, none, none)
-    values = [jnp.asarray(one.law(t), float) for one in wanted]
-    q = jnp.zeros(form.topology.n_q) if start is None else jnp.asarray(start[0])
-    return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), q
 
 
 def _between(a: _Goal, b: _Goal, share: Any) -> _Goal:
@@ -525,84 +491,135 @@ def _between(a: _Goal, b: _Goal, share: Any) -> _Goal:
     return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
 
 
-def _distance(places: Sequence[Quantity], sizes: Float[Array, "n_x"], a: _Goal, b: _Goal) -> Float[Array, ""]:
-    """Largest change between two goals, as a share of the mechanism's extent or in radians."""
-    (x, e), target, q = jax.tree.map(lambda a, b: b - a, a, b)
-    of_target = [sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
-    parts = (x / sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
-    return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
+class _Follower(NamedTuple):
+    """A mechanism that follows laws: equations, laws, numbers of the driven freedoms, and sizes of the coordinates."""
 
+    form: CoordinatesForm
+    wanted: tuple[Wanted, ...]
+    moved: tuple[int, ...]
+    sizes: Float[Array, "n_x"]
 
-def _settled(
-    form: CoordinatesForm,
-    wanted: tuple[Wanted, ...],
-    moved: tuple[int, ...],
-    sizes: Float[Array, "n_x"],
-    goal: _Goal,
-    at: _At,
-) -> _At:
-    """Newton's method until nothing changes."""
+    @property
+    def driven(self) -> Int[Array, "k"]:
+        return jnp.array(self.moved, int)
 
-    def more(loop: tuple[Any, ...]):
-        i, _, change = loop
-        return (i < CORRECTIONS) & (change > SETTLED)
+    def measured(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "k"]:
+        """Wanted quantities of a configuration."""
+        return _measured(self.form, [one.place for one in self.wanted], x, near)
 
-    def step(loop: tuple[Any, ...]):
-        i, at, _ = loop
-        found = _closer(form, wanted, moved, goal, at)
-        return i + 1, found.at, jnp.max(jnp.abs(found.change / sizes), initial=0.0)
+    def rows(self, tangent: Transfer, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> tuple[Array, Array]:
+        """Derivatives of wanted quantities by the coordinates, and by driven quantities."""
+        by_x = jax.jacfwd(lambda x: self.measured(x, near))(x)
+        return by_x, by_x @ tangent.DFx[:, self.driven]
 
-    return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
+    def goal(self, t: Float[Array, ""]) -> _Goal:
+        """Everything that is given at a time."""
+        form = self.form
+        none, start = jnp.zeros(form.size), form.parameters.start
+        whole = form.whole(t, none, none, none)
+        values = [jnp.asarray(one.law(t), float) for one in self.wanted]
+        q = jnp.zeros(form.topology.n_q) if start is None else jnp.asarray(start[0])
+        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), q
 
+    def distance(self, a: _Goal, b: _Goal) -> Float[Array, ""]:
+        """Largest change between two goals, as a share of the mechanism's extent or in radians."""
+        (x, e), target, q = jax.tree.map(lambda a, b: b - a, a, b)
+        places = [one.place for one in self.wanted]
+        of_target = [self.sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
+        parts = (x / self.sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
+        return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
 
-def _walked(
-    form: CoordinatesForm,
-    wanted: tuple[Wanted, ...],
-    moved: tuple[int, ...],
-    sizes: Float[Array, "n_x"],
-    goals: tuple[_Goal, _Goal],
-    at: _At,
-) -> _At:
-    """State at a goal, reached from another goal in steps that Newton's method can follow; NaN for too many steps."""
-    count = jnp.ceil(_distance([one.place for one in wanted], sizes, *goals) / STEP)
-    within = count <= MOST_STEPS
-    count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
+    def closer(self, goal: _Goal, at: _At) -> _Corrected:
+        """One step of Newton's method towards wanted values, THEORY.md 14, eq. (14.13)."""
+        form, moved, driven = self.form, self.moved, self.driven
+        top, n = form.topology, form.topology.x.dof.shape[0]
+        (held_x, held_e), target, held_q = goal
+        q = put(held_q, driven, at.q[driven]) if moved else held_q
+        x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
+        e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, q[n:])
+        e, jacobian = deformed(form.elements, at.x, at.near)
+        tangent = transfer(top, jacobian)
+        shift = put(jnp.zeros(top.n_x), top.x.given, (x_wanted - at.x)[top.x.given])
+        change = correction(top, tangent, e - e_wanted + jacobian @ shift, shift)
+        rows, dq = jnp.zeros((0, 0)), jnp.zeros(0)
+        regular = tangent.regular
+        if moved:
+            by_x, rows = self.rows(tangent, at.x, at.near)
+            factors = factorise(rows)
+            dq = factors.solve(target - self.measured(at.x, at.near) - by_x @ change)
+            change = change + tangent.DFx[:, driven] @ dq
+            regular = regular & factors.regular()
+        at = _At(accumulate(q, driven, dq) if moved else q, at.x + change, e)
+        return _Corrected(at, change, rows, regular)
 
-    def step(i: Array, at: _At):
-        share = (i + 1).astype(float) / count.astype(float)
-        return _settled(form, wanted, moved, sizes, _between(*goals, share), at)
+    def settled(self, goal: _Goal, at: _At) -> _At:
+        """Newton's method until nothing changes."""
 
-    at = jax.lax.fori_loop(0, count, step, at)
-    return at._replace(x=jnp.where(within, at.x, jnp.nan))
+        def more(loop: tuple[Any, ...]):
+            i, _, change = loop
+            return (i < CORRECTIONS) & (change > SETTLED)
 
+        def step(loop: tuple[Any, ...]):
+            i, at, _ = loop
+            found = self.closer(goal, at)
+            return i + 1, found.at, jnp.max(jnp.abs(found.change / self.sizes), initial=0.0)
 
-def _configurations(
-    form: CoordinatesForm,
-    wanted: tuple[Wanted, ...],
-    moved: tuple[int, ...],
-    sizes: Float[Array, "n_x"],
-    times: Float[Array, "n_t"],
-) -> _At:
-    """States at the times, followed from the undeformed mechanism, without derivatives."""
-    form, wanted, sizes, times = jax.lax.stop_gradient((form, wanted, sizes, times))
-    top, parameters, places = form.topology, form.parameters, [one.place for one in wanted]
+        return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
 
-    def follow(carry: tuple[_Goal, _At], t: Float[Array, ""]):
-        before, at = carry
-        goal = _goal(form, wanted, t)
-        at = _walked(form, wanted, moved, sizes, (before, goal), at)
-        return (goal, at), at
+    def walked(self, goals: tuple[_Goal, _Goal], at: _At) -> _At:
+        """State at a goal, reached from another in steps that Newton's method can follow; NaN for too many steps."""
+        count = jnp.ceil(self.distance(*goals) / STEP)
+        within = count <= MOST_STEPS
+        count = jnp.where(within, jnp.maximum(count, 1), 0).astype(jnp.int32)
 
-    origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
-    here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
-    if moved and parameters.start is not None:
-        # Start values select the branch, such as the side to which an elbow is bent.
-        begin = _goal(form, (), times[0])
-        origin = _walked(form, (), (), sizes, ((here, jnp.zeros(0), q), begin), origin)
-        here, _, q = begin
-    rest = here, _measured(form, places, origin.x, origin.near), q
-    _, walked = jax.lax.scan(follow, (rest, origin), times)
-    return jax.lax.stop_gradient(walked)
+        def step(i: Array, at: _At):
+            share = (i + 1).astype(float) / count.astype(float)
+            return self.settled(_between(*goals, share), at)
+
+        at = jax.lax.fori_loop(0, count, step, at)
+        return at._replace(x=jnp.where(within, at.x, jnp.nan))
+
+    def configurations(self, times: Float[Array, "n_t"]) -> _At:
+        """States at the times, followed from the undeformed mechanism, without derivatives."""
+        form, wanted, sizes, times = jax.lax.stop_gradient((self.form, self.wanted, self.sizes, times))
+        follower = _Follower(form, wanted, self.moved, sizes)
+        top, parameters = form.topology, form.parameters
+
+        def follow(carry: tuple[_Goal, _At], t: Float[Array, ""]):
+            before, at = carry
+            goal = follower.goal(t)
+            at = follower.walked((before, goal), at)
+            return (goal, at), at
+
+        origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
+        here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
+        if self.moved and parameters.start is not None:
+            # Start values select the branch, such as the side to which an elbow is bent.
+            still = _Follower(form, (), (), sizes)
+            begin = still.goal(times[0])
+            origin = still.walked(((here, jnp.zeros(0), q), begin), origin)
+            here, _, q = begin
+        rest = here, follower.measured(origin.x, origin.near), q
+        _, walked = jax.lax.scan(follow, (rest, origin), times)
+        return jax.lax.stop_gradient(walked)
+
+    def moving(self, rows: Float[Array, "k k"], tangent: Transfer, t: Float[Array, ""], at: _At) -> Moving:
+        """Velocities and accelerations along the trajectory, THEORY.md 14, eq. (14.14)."""
+        form, x, near, none = self.form, at.x, at.near, jnp.zeros(self.form.topology.n_q)
+        if not self.wanted:
+            return carried(form, t, x, none, none, near)
+        _, first, second = jax.tree.map(lambda *parts: jnp.stack(parts), *[rates(one.law, t) for one in self.wanted])
+        factors = factorise(rows)
+
+        def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
+            return jax.jvp(lambda x: self.measured(x, near), (x,), (v,))[1]
+
+        given = carried(form, t, x, none, none, near)
+        qd = put(none, self.driven, factors.solve(first - rate(x, given.v)))
+        given = carried(form, t, x, qd, none, near)
+        reached = jax.jvp(rate, (x, given.v), (given.v, given.a))[1]
+        qdd = put(none, self.driven, factors.solve(second - reached))
+        return given._replace(a=given.a + tangent.DFx @ qdd)
 
 
 def _inputs_needed(
@@ -635,15 +652,15 @@ def _nominal(
 ) -> _AtTimes:
     top, labels = model.topology, model.labels
     form, sizes = coordinates_form(top, model.parameters, laws), sizes_of(top, model.parameters)
-    places, driven = [one.place for one in wanted], jnp.array(moved, int)
+    follower = _Follower(form, wanted, moved, sizes)
     seen = labels.outputs if _are_of_the_motion(labels.outputs) else ()
 
     def one(row: tuple[Array, _At]):
         t, at = row
-        goal = _goal(form, wanted, t)
+        goal = follower.goal(t)
 
         def differentiated(at: _At, _: None):
-            found = _closer(form, wanted, moved, goal, at)
+            found = follower.closer(goal, at)
             return found.at, found
 
         every = jax.lax.scan(differentiated, at, None, DIFFERENTIATED)[1]
@@ -652,16 +669,14 @@ def _nominal(
         near, jacobian = deformed(form.elements, x, at.near)
         tangent = transfer(top, jacobian)
         # Derivatives of wanted by driven quantities at this place, so that derivatives pass through the place.
-        rows = (
-            jax.jacfwd(lambda x: _measured(form, places, x, near))(x) @ tangent.DFx[:, driven] if moved else found.rows
-        )
-        moving = _moving(form, wanted, driven, rows, tangent, t, x, near)
+        rows = follower.rows(tangent, x, near)[1] if moved else found.rows
+        moving = follower.moving(rows, tangent, t, found.at._replace(near=near))
 
         def residual(u: Float[Array, "n_u"]):
             return dynamic_balance(under_inputs(model, form, u), t, moving).residual
 
         needed = residual(jnp.zeros(len(labels.inputs)))
-        u0, f0, plant = _inputs_needed(residual, needed, len(labels.inputs), driven, acting)
+        u0, f0, plant = _inputs_needed(residual, needed, len(labels.inputs), follower.driven, acting)
         outputs = [_output(form, signal, moving) for signal in seen]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
         missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
@@ -672,39 +687,7 @@ def _nominal(
         moves = jnp.max(jnp.abs(found.rows), axis=1, initial=0.0)
         return _AtTimes(x, moving.v, near, u0, y0, f0, result, moves)
 
-    return jax.lax.map(one, (times, _configurations(form, wanted, moved, sizes, times)))
-
-
-def _moving(
-    form: CoordinatesForm,
-    wanted: tuple[Wanted, ...],
-    driven: Int[Array, "k"],
-    rows: Float[Array, "k k"],
-    tangent: Transfer,
-    t: Float[Array, ""],
-    x: Float[Array, "n_x"],
-    near: Float[Array, "n_e"],
-) -> Moving:
-    """Velocities and accelerations along the trajectory, THEORY.md 14, eq. (14.14)."""
-    none = jnp.zeros(form.topology.n_q)
-    if not wanted:
-        return carried(form, t, x, none, none, near)
-    places = [one.place for one in wanted]
-    _, first, second = jax.tree.map(lambda *parts: jnp.stack(parts), *[rates(one.law, t) for one in wanted])
-    factors = factorise(rows)
-
-    def measured(x: Float[Array, "n_x"]):
-        return _measured(form, places, x, near)
-
-    def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
-        return jax.jvp(measured, (x,), (v,))[1]
-
-    given = carried(form, t, x, none, none, near)
-    qd = put(none, driven, factors.solve(first - rate(x, given.v)))
-    given = carried(form, t, x, qd, none, near)
-    reached = jax.jvp(rate, (x, given.v), (given.v, given.a))[1]
-    qdd = put(none, driven, factors.solve(second - reached))
-    return given._replace(a=given.a + tangent.DFx @ qdd)
+    return jax.lax.map(one, (times, follower.configurations(times)))
 
 
 def _output(form: CoordinatesForm, signal: Signal, moving: Moving) -> Float[Array, ""]:
