@@ -725,7 +725,9 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
         names = [*read.values, *read.answers]
         for name in {"about", *_named("history_", [*names, "objective", "violation"])}.intersection(names):
             if save is not None:
-                _refuse(f"flexmb: {read.name}: '{name}' is a name that --save gives to something else: choose another.")
+                _refuse(
+                    f"flexmb: {read.name}: '{name}' is a name that --save uses for another array: choose another name."
+                )
         found = read.tune(throw=False, progress=sys.stderr.isatty())
         data = tune_answer(read, found, __version__)
 

@@ -49,30 +49,30 @@ class RESULTS(enum.IntEnum):
     )
     singular_mass = (
         5,
-        "The mass matrix is singular: some motion carries no mass, or negative mass. Add mass or inertia to its nodes,"
+        "The mass matrix is singular: a motion carries no mass, or a negative mass. Add mass or inertia to its nodes,"
         ' or make that degree of freedom dependent. A simulation with form="reduced" needs mass only along the degrees'
         " of freedom.",
     )
     singular_stiffness = (
         6,
-        "The static equations are singular: a motion meets no stiffness, or the load is a critical load."
-        " Support or stiffen that motion, or change the load.",
+        "The static equations are singular: a motion has no stiffness, or the load is a critical load. Support or"
+        " stiffen that motion, or change the load.",
     )
     max_steps = (
         7,
-        "The path did not reach its end within the allowed number of steps. Allow more steps (max_steps,"
-        " --max-steps), or look at the path so far: it may turn back for good.",
+        "The path did not reach its end within the allowed number of steps. Allow more steps (max_steps, --max-steps),"
+        " or look at the path so far: it may turn back and never reach its end.",
     )
     critical_state = (
         8,
-        "The equilibrium was found, but at a critical state: the loads take away all but a ten-thousandth of the"
-        " stiffness of some motion, so that the derivative does not exist or holds for no finite change. Lower the"
-        " load, follow the path, or differentiate limit_load.",
+        "The equilibrium was found, but at a critical state: the loads reduce the stiffness of a motion to less than a"
+        " ten-thousandth. The derivative does not exist, or holds for no finite change. Lower the load, follow the"
+        " path, or differentiate limit_load.",
     )
     out_of_reach = (
         9,
-        "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there, or they are"
-        " beyond 20 000 radians or times its size. Check their values, or name others.",
+        "There is no configuration with these degrees of freedom: the mechanism cannot be assembled there, or they"
+        " exceed 20 000 radians or 20 000 times its size. Check their values, or name others.",
     )
     step_too_small = (
         10,
@@ -101,33 +101,32 @@ class RESULTS(enum.IntEnum):
     )
     ran_away = (
         15,
-        "The motion runs away: something has moved a hundred million radians or times the size of the mechanism. The"
-        " loop of a controller is unstable (see fm.control.closed_loop(model, controller)), a stiffness or damping"
-        " is negative, or a load grows without bound. The results up to there are kept.",
+        "The motion runs away: a coordinate exceeds a hundred million radians, or a hundred million times the size of"
+        " the mechanism. The loop of a controller is unstable (see fm.control.closed_loop(model, controller)), a"
+        " stiffness or damping is negative, or a load grows without bound. The results up to there are kept.",
     )
     lost_in_round_off = (
         16,
-        "Stiffnesses are so far apart that round-off of the largest hides the softest motions, and the answer would be"
-        " wrong. Make very stiff parts rigid, such as very short beams: leave out their sections, or join their nodes."
-        " Use fewer beams if thousands are in a row. Deformations as degrees of freedom, as build() finds them, lose"
-        " fewer digits than positions.",
+        "Stiffnesses differ so much that round-off of the largest hides the softest motions. The answer would be wrong."
+        " Make very stiff parts rigid, such as very short beams: leave out their sections, or join their nodes. Use"
+        " fewer beams if thousands are in a row. Deformations as degrees of freedom, as build() finds them, lose fewer"
+        " digits than positions.",
     )
     unstable_state = (
         17,
-        "The equilibrium was found, but it is not stable: its stiffness is negative in some motion, so that no"
-        " mechanism stays there by itself. Lower the load, or follow the way to a stable state by fm.path(model,"
-        " switch=True).",
+        "The equilibrium was found, but it is not stable: its stiffness is negative in some motion. No mechanism stays"
+        " there by itself. Lower the load, or follow the path to a stable state by fm.path(model, switch=True).",
     )
     other_clamps = (
         18,
-        "Ends of leaf springs are clamped otherwise in this design than in the first one, whose structure all designs"
-        " share: a neighbouring part became three times as thick or no longer is, or a fold passed 5 degrees. Set"
-        " `clamped` for all designs, or begin with a design on the same side.",
+        "Ends of leaf springs are clamped differently in this design and in the first design, but all designs share one"
+        " structure. A neighbouring part passed three times the thickness, or a fold passed 5 degrees. Set `clamped`"
+        " for all designs, or begin with a design on the same side.",
     )
     forces_jump = (
         19,
-        "The force of a law or of a controller jumps as the mechanism moves. The derivative neglects the moving instant"
-        " of the jump, and is wrong: replace the jump by a steep function, such as jnp.tanh.",
+        "The force of a law or of a controller jumps as the mechanism moves. The derivative is wrong, since it neglects"
+        " that the time of the jump changes: replace the jump by a steep function, such as jnp.tanh.",
     )
     impossible_design = (
         20,
@@ -137,8 +136,7 @@ class RESULTS(enum.IntEnum):
     )
     infeasible = (
         21,
-        "No design within the bounds was found that keeps the limits. Widen the bounds or the limits, or start"
-        " elsewhere (starts).",
+        "No design within the bounds meets the limits. Widen the bounds or the limits, or start elsewhere (starts).",
     )
     not_optimal = (
         22,
@@ -147,13 +145,13 @@ class RESULTS(enum.IntEnum):
     )
     target_missed = (
         24,
-        "A target is missed: bounds, limits or the other targets stand against it. Widen the bounds or the limits, let"
-        " more dimensions vary, or change the target.",
+        "A target is missed: bounds, limits or other targets prevent it. Widen the bounds or the limits, let more"
+        " dimensions vary, or change the target.",
     )
     local_minimum = (
         25,
-        "A target is missed where no small change of the dimensions brings the design nearer, although no bound and no"
-        " limit holds it: a local minimum, or targets that contradict each other. Start elsewhere (starts).",
+        "A target is missed: no small change of the dimensions brings the design nearer, although no bound and no limit"
+        " is active. This is a local minimum, or targets contradict each other. Start elsewhere (starts).",
     )
     poor_fit = (
         34,
@@ -162,19 +160,19 @@ class RESULTS(enum.IntEnum):
     )
     event_not_found = (
         23,
-        "An event has ended the motion, but the root finder of `event` did not find when. Give it larger tolerances or"
-        " more steps, a method that keeps to the step (of one condition optimistix.Bisection), or none, to end with the"
-        " step.",
+        "An event has ended the motion, but the root finder of `event` did not find its time. Give the root finder"
+        " larger tolerances or more steps, or use a method that stays within the step (optimistix.Bisection for one"
+        " condition). Without a root finder, the motion ends with the step.",
     )
     outside_workspace = (
         30,
-        "The trajectory leaves the workspace: the mechanism cannot be assembled there, or what is driven cannot go on"
-        " in that direction. Shorten the trajectory, or drive another degree of freedom (driven).",
+        "The trajectory leaves the workspace: the mechanism cannot be assembled there, or a driven coordinate cannot"
+        " continue in that direction. Shorten the trajectory, or drive another degree of freedom (driven).",
     )
     singular_plant = (
         31,
-        "The inputs cannot give the forces along the driven motions: their effects depend on one another, or one has"
-        " none. Let them act elsewhere, or name other inputs.",
+        "The inputs cannot produce the forces along the driven motions: their effects depend on one another, or an"
+        " input has no effect. Let them act elsewhere, or name other inputs.",
     )
     out_of_memory = (
         32,
@@ -183,9 +181,9 @@ class RESULTS(enum.IntEnum):
     )
     neutral_branch = (
         33,
-        "Two motions lose their stiffness at once, and on the branch one of them meets none: a round or square bar may"
-        " buckle to any side, so the path is not determined. Choose a side by an imperfection, such as"
-        " imperfection={1: 1e-3}, or by a small load.",
+        "Two motions lose their stiffness at once, and one of them has no stiffness along the branch. A round or square"
+        " bar, for example, may buckle to any side. The path is therefore not determined. Choose a side by an"
+        " imperfection, such as imperfection={1: 1e-3}, or by a small load.",
     )
 
 

@@ -240,15 +240,15 @@ FUNCTIONS = {
     "loads that are a function": (lambda: fm.simulate(MODEL, TIMES, loads=abs), "`loads` must be a dictionary"),
     "a load of one number on a node": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1": lambda t: 1.0}),
-        r"Load '1' must give 2 numbers, one for each component, but gives shape \(\)",
+        r"Load '1' must return 2 numbers, one for each component, but returns shape \(\)",
     ),
     "a load of three numbers": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1": lambda t: jnp.ones(3)}),
-        r"Load '1' must give 2 numbers, .* gives shape \(3,\)",
+        r"Load '1' must return 2 numbers, .* returns shape \(3,\)",
     ),
     "a load of two numbers on a coordinate": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1.x": lambda t: jnp.ones(2)}),
-        r"Load '1\.x' must give one number, but gives shape \(2,\)",
+        r"Load '1\.x' must return one number, but returns shape \(2,\)",
     ),
     "a table of one number on a node": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1": fm.motion.Table(jnp.array([0.0, 1.0]), jnp.array([0.0, 1.0]))}),
@@ -274,11 +274,11 @@ FUNCTIONS = {
     ),
     "an increment of two": (
         lambda: fm.simulate(cart(increment=True).build(), TIMES, increment=lambda t: jnp.ones(2)),
-        r"`increment` must give one number, but gives shape \(2,\)",
+        r"`increment` must return one number, but returns shape \(2,\)",
     ),
     "a controller of one input for two": (
         lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: y[:1]),
-        r"controller gives shape \(1,\), but the mechanism has 2 inputs",
+        r"controller returns shape \(1,\), but the mechanism has 2 inputs",
     ),
     "a reference of one output for two": (
         lambda: fm.simulate(MODEL, TIMES, control=lambda t, y: y, reference=lambda t: jnp.zeros(1)),
@@ -300,7 +300,7 @@ FUNCTIONS = {
     ),
     "a sample of one input for two": (
         lambda: fm.simulate(MODEL, TIMES, control=fm.motion.Sampled(lambda t, z, y: (y[:1], z), 0.1)),
-        r"controller gives shape \(1,\), but the mechanism has 2 inputs",
+        r"controller returns shape \(1,\), but the mechanism has 2 inputs",
     ),
     "a complex load": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1.x": lambda t: jax.lax.complex(0.0 * t, t)}),

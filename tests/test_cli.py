@@ -489,7 +489,7 @@ def test_a_path_of_too_few_steps_says_so():
 
 def test_steps_that_belong_to_no_path_are_told_to_do_nothing():
     assert answer("pf2db", 0, "--max-steps", "1")[1]["warnings"] == [
-        "Steps at most (1) are of a path, mode 10: here they do nothing."
+        "The largest number of steps (1) applies to a path, mode 10: it has no effect here."
     ]
 
 

@@ -103,7 +103,9 @@ def answer(
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, mode_of(mode))
         if max_steps is not None and "steps" not in mode_of(mode).needs:
-            data["warnings"].append(f"Steps at most ({max_steps}) are of a path, mode 10: here they do nothing.")
+            data["warnings"].append(
+                f"The largest number of steps ({max_steps}) applies to a path, mode 10: it has no effect here."
+            )
         most = STEPS if max_steps is None else max_steps
         question = ModeRequest(builder, model, name, release, dofs, most, settings or {}, progress=progress)
         found = _answered(question, mode_of(mode), data)

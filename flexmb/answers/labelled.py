@@ -97,7 +97,7 @@ def _series(result: Any, text: str) -> Any:
             raise
         name = type(result).__name__
         raise KeyError(
-            f"'{clean(text)}' is not asked of {name} as a whole: ask it about each, such as at=found[0]"
+            f"'{clean(text)}' is no question for {name} as a whole: ask for each state, such as at=found[0]"
         ) from None
 
 

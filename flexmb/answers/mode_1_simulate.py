@@ -161,7 +161,7 @@ def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.nd
 def _idle_ways(asked: ModeRequest) -> list[str]:
     """Warnings of prescribed ways of degrees of freedom, which move by themselves."""
     return [
-        f"{way.keyword} on line {way.legs[0].line} is of a degree of freedom, which moves by itself here; it acts in"
+        f"{way.keyword} on line {way.legs[0].line} belongs to a degree of freedom, which moves freely here; it acts in"
         " modes 2, 3, 5 and 6."
         for key, way in ways_of(asked.settings).items()
         if role_of(asked.builder, key) is Role.DOF

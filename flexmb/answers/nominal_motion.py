@@ -43,7 +43,7 @@ def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoRe
         refuse(
             way.keyword,
             f"{first[0]} {first[1]}: nothing drives it along its trajectory: there are {len(nominal)} nominal inputs"
-            f" for {len(direct) + len(free)} that are to be driven. Name one more with {keyword}, or prescribe it",
+            f" for {len(direct) + len(free)} driven quantities. Name one more with {keyword}, or prescribe it",
             way.legs[0].line,
         )
     keyword, last = nominal[-1]
@@ -77,8 +77,8 @@ def _idle_velocities(asked: ModeRequest, released: bool) -> list[str]:
     keys = [key for key, (_, velocity) in asked.builder.starts.items() if velocity != 0]
     idle = [key for key in keys if not released or key in ways_of(asked.settings)]
     return [
-        f"The start velocity of {kind} {of}, {number}, has no effect: along a trajectory what is led starts at rest"
-        f"{'' if released else ', and all else is held'}."
+        f"The start velocity of {kind} {of}, {number}, has no effect: along a trajectory all driven quantities start at"
+        f" rest{'' if released else ', and all else is held'}."
         for kind, of, number in idle
     ]
 

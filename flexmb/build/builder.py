@@ -95,7 +95,9 @@ class Builder(Description):
         """
         name = named("A node", name)
         if name.endswith(".rotation"):
-            raise ModelError(f"Node '{name}' would be taken for the rotation of a node: add one with rotation().")
+            raise ModelError(
+                f"Node '{name}' has a name that is reserved for the rotation of a node: add a rotation with rotation()."
+            )
         position = listed(f"Node '{name}'", position)
         if len(position) not in (2, 3):
             raise ModelError(f"Node '{name}' must have 2 or 3 coordinates, but has {len(position)}.")
@@ -185,7 +187,7 @@ class Builder(Description):
         companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
         if not n_e and all(element.arguments(c, properties) is None for c in companions):
             wanted = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
-            raise ModelError(f"Element '{name}' ({element.name}) does nothing without the property {wanted}.")
+            raise ModelError(f"Element '{name}' ({element.name}) has no effect without the property {wanted}.")
         roles = [Role.FIXED] * n_e
         usual = element.freed(properties)
         for i in (*released_in(name, usual if released is None else released, element, n_e), *element.measured):
@@ -379,10 +381,10 @@ class Builder(Description):
         what, dimension = f"The body on node '{node}'", self.dimension or 2
         if step is not None:
             if beside := [n for n, v in (("mass", mass), ("center", center), ("inertia", inertia)) if v is not None]:
-                raise ModelError(f"{what}: a STEP file says its {' and '.join(beside)}; leave out one of them.")
+                raise ModelError(f"{what}: a STEP file determines its {' and '.join(beside)}; leave out one of them.")
             mass, center, inertia = body_of_step(what, step, material, at, dimension)
         elif given := [n for n, v in (("material", material), ("at", at)) if v is not None]:
-            raise ModelError(f"{what}: {' and '.join(given)} goes with a STEP file alone: give step= too.")
+            raise ModelError(f"{what}: {' and '.join(given)} needs a STEP file: give step= too.")
         if mass is None:
             raise ModelError(f"{what} needs a mass [kg], or a STEP file and its material.")
         center = [0.0] * dimension if center is None else center
@@ -520,7 +522,7 @@ class Builder(Description):
         """
         member = self._member(element)
         if not member.element.is_elastic(member.properties):
-            raise ModelError(f"Strain of element '{element}': it has no stiffness, so that a strain does nothing.")
+            raise ModelError(f"Strain of element '{element}': it has no stiffness, so a strain has no effect.")
         self._load("strain", False).update(self._values("Strain", element, values, named))
 
     @recorded
@@ -548,8 +550,8 @@ class Builder(Description):
         what = f"Temperature of element '{name}'"
         if member.element.thermal is None:
             raise ModelError(
-                f"{what}: no temperature deforms one of type {member.element.name}. Trusses, beams, spectral beams and"
-                " rigid beams expand, and elements of your own with a companion `thermal`."
+                f"{what}: temperature does not deform an element of type {member.element.name}. Trusses, beams,"
+                " spectral beams, rigid beams and your own elements with a companion `thermal` expand."
             )
         if not member.element.expands(member.properties):
             raise ModelError(
@@ -561,7 +563,9 @@ class Builder(Description):
         across = [0.0] * axes
         if gradient is not None:
             if not member.element.bends_by_heat:
-                raise ModelError(f"{what}: one of type {member.element.name} does not bend. Leave the gradient out.")
+                raise ModelError(
+                    f"{what}: an element of type {member.element.name} does not bend. Leave the gradient out."
+                )
             told = "two numbers in space, along local y and z" if axes == 2 else "one number in the plane"
             across = self._numbers_of(f"Gradient of the temperature of element '{name}'", gradient, (axes,), told)
         self._load("temperature", increment)["element", name, 1] = [ends[0], ends[-1], *across]
@@ -685,8 +689,8 @@ class Builder(Description):
             parts.append(self._part(side, f"{what.capitalize()} '{name}'", said))
         if side == "input" and len(kinds := {p.quantity if p.quantity in MOTIONS else "force" for p in parts}) > 1:
             raise ModelError(
-                f"Actuator '{name}' has parts of several kinds, {', '.join(sorted(kinds))}: forces, moments and"
-                " stresses go together, and motions of one quantity."
+                f"Actuator '{name}' has parts of several kinds, {', '.join(sorted(kinds))}: combine forces, moments and"
+                " stresses, or motions of one quantity."
             )
         keys = [part[1:5] for part in parts]
         if twice := [said for i, said in enumerate(weights) if keys[i] in keys[:i]]:
@@ -703,7 +707,9 @@ class Builder(Description):
             quantity = max(first, key=len, default="")
             of = of.removeprefix(f"{quantity} ") if quantity else of
         if not of:
-            raise ModelError(f"{what}: '{said}' is no part: say node and component as 'tip.y', element and number.")
+            raise ModelError(
+                f"{what}: '{said}' is no part: write node and component, such as 'tip.y', or element and number."
+            )
         return self._signal(side, of, component, quantity, None, False)
 
     def _is_node(self, of: str) -> bool:
@@ -743,8 +749,8 @@ class Builder(Description):
         if entry[0] == "node" and self._kind_of(entry[1]) is ROTATION3:
             own = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
             raise ModelError(
-                f"{side} '{own}' is an Euler parameter, whose dual is no moment and which is no angle. Name the axis of"
-                f" the rotation: rx, ry or rz."
+                f"{side} '{own}' is an Euler parameter. It is no angle, and its dual force is no moment. Name the axis"
+                " of the rotation: rx, ry or rz."
             )
         return entry, None
 
@@ -794,7 +800,7 @@ class Builder(Description):
             check_choice(argument, value, allowed, ModelError)
         check_flag("check", check, ModelError)
         if release == "auto" and not check:
-            raise ModelError("The checks find what release='auto' releases: leave out check=False, or name releases.")
+            raise ModelError("release='auto' needs the checks: leave out check=False, or name the releases.")
         if not self.members:
             raise ModelError("The model has no elements. Add at least one.")
         for loads in self.loads.values():
@@ -825,13 +831,14 @@ class Builder(Description):
                 return _finished(model)
             if release == "auto":
                 raise ModelError(
-                    "Over-constraints cannot be found while numbers of the model's geometry are traced. Release by name"
-                    " (released=, or release()) as an untraced build with release='auto' does."
+                    "Over-constraints cannot be found while numbers of the model's geometry are traced. Release the"
+                    " deformations by name (released=, or release()) that an untraced build with release='auto'"
+                    " releases."
                 )
             if not self.dofs and dofs == "auto":
                 raise ModelError(
-                    "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof(),"
-                    " or give those that an untraced build finds: build(dofs=model.q_labels)."
+                    "Degrees of freedom cannot be found while numbers of the model are traced. Name them with dof(), or"
+                    " use the result of an untraced build: build(dofs=model.q_labels)."
                 )
             e, named = model.topology.e, model.topology.n_q
             # By shapes, since under jit indices are traced too: the constraint matrix must be square.
@@ -839,7 +846,7 @@ class Builder(Description):
             if missing:
                 raise ModelError(
                     f"NDOF = {named + missing}, but {named} degrees of freedom are named, and the rest cannot be found"
-                    " while the model's geometry is traced. Name all that an untraced build says in model.q_labels."
+                    " while the model's geometry is traced. Name all of model.q_labels of an untraced build."
                 )
             return _finished(check_inputs(model, described))
         if not check:
@@ -853,7 +860,7 @@ class Builder(Description):
         part = self._rotation_name(node)
         if self._kind_of(part) is ANGLE:
             if axis is not None or tilt is not None:
-                raise ModelError(f"Rotation of node '{node}': in the plane it takes neither an axis nor a tilt.")
+                raise ModelError(f"Rotation of node '{node}': in the plane, leave out axis and tilt.")
             return "node", part, 1
         if axis is None:
             raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
@@ -895,8 +902,8 @@ class Builder(Description):
             # Traced numbers count as nonzero.
             if idle and key[2] in element.closure and not (is_concrete(value) and value == 0):
                 raise ModelError(
-                    f"{what} of element '{name}': deformation {element.called(key[2])} is part of its closure, where it"
-                    f" does nothing. Name what is meant. Its strains are {strains}."
+                    f"{what} of element '{name}': deformation {element.called(key[2])} is part of its closure and has"
+                    f" no effect. Name a strain. Its strains are {strains}."
                 )
             found[key] = copied(value)
         return found

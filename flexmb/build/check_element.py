@@ -169,7 +169,7 @@ class _Tried:
             for i in range(len(self.states)):
                 for name, own in slices.items():
                     if not np.all(np.isfinite(self.here[kind][i, own])):
-                        return f"a {what} of its {name} is not finite {self._where(i)}. Write it so that it is"
+                        return f"a {what} of its {name} is not finite {self._where(i)}. Rewrite it so that it is finite"
         if not np.all(np.isfinite(self.here["reverse"])):
             return (
                 "a derivative is not finite in reverse mode, although it is in forward mode: a square root of zero, or"
@@ -181,7 +181,7 @@ class _Tried:
         e = self._answer(self.here, "deformations")
         largest = np.max(np.abs(e), axis=0)
         if still := [str(i + 1) for i in np.flatnonzero(largest == 0)]:
-            return np.inf, f"deformation {', '.join(still)} is zero whatever the coordinates are"
+            return np.inf, f"deformation {', '.join(still)} is zero for all coordinates"
         found = np.abs(e[self.references]) / largest
         value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
         number = float(np.max(np.abs(e[self.references][:, worst])))
@@ -197,8 +197,8 @@ class _Tried:
         value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
         number = float(np.max(np.abs(there - e)[:, worst]))
         fault = (
-            f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole, but must not change:"
-            " measure vectors in axes that turn along, and rotations relative to each other"
+            f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole element, but must not"
+            " change: measure vectors in axes that turn with the element, and rotations relative to each other"
         )
         return value, fault if value > ELEMENT_LAW else ""
 

@@ -202,8 +202,8 @@ def _hold(builder: Description, warping: str, leaf: str, joined: list[str], rest
         place = parts_of(builder.members[other], "warping").index(warping)
         if given and said is not None and bool(said[place]) is not restrained:
             raise ModelError(
-                f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but one is clamped there and the"
-                " other is not. Give `clamped`, in a file CLAMP, for both alike."
+                f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but only one of them is clamped"
+                " there. Give both the same `clamped` (in a file: CLAMP)."
             )
     if restrained and node.roles[0] is Role.DEPENDENT:
         node.roles[0] = Role.FIXED
@@ -251,8 +251,8 @@ def is_clamped(
                 continue
             raise ModelError(
                 f"Element '{end.leaf}': whether '{name}' clamps its {('first', 'last')[end.number]} end cannot be"
-                f" found, since {reason}. Say it with clamped=(True or False of the first end, of the last), in a file"
-                " with CLAMP."
+                f" found, since {reason}. State it by clamped=(first end, last end), each True or False, or in a file"
+                " by CLAMP."
             ) from None
         flat, restrained = flat or found[0], restrained or found[1]
     if not traced or (flat and restrained):
@@ -311,8 +311,8 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
         warn(
-            f"Elements '{end.leaf}' and '{name}' meet with their widths at an angle, and are taken to clamp each"
-            " other. Say with `clamped` whether they do."
+            f"Elements '{end.leaf}' and '{name}' meet with their widths at an angle. flexmb assumes that they clamp"
+            " each other. State by `clamped` whether they do."
         )
         return True, True
     return thick or bool(abs(along @ along_other) < np.cos(FOLD)), False

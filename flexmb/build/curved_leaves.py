@@ -77,7 +77,7 @@ def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
     worst = max(bend * size for bend, size in zip(largest, sizes, strict=True))
     if worst > SHARP:
         warn(
-            f"Element '{name}' is curved sharply: at its inner side, stress by bending is about {worst / 3:.0%} higher"
+            f"Element '{name}' is curved sharply: at its inner side, bending stress is about {worst / 3:.0%} higher"
             " than a thin beam has it.",
             BeamTheoryWarning,
         )
@@ -91,8 +91,8 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
     steepest = max(abs(float(section.slanted(place, length)[1])) for place in np.linspace(0.0, 1.0, 9))
     if steepest > SLANT:
         warn(
-            f"The width of element '{name}' changes by up to {steepest:.2f} of the distance along it. Up to {SLANT} its"
-            " stiffnesses are compared with solid elements. Divide the leaf spring, or compare it yourself.",
+            f"The width of element '{name}' changes by up to {steepest:.2f} of the distance along it. Stiffnesses were"
+            f" compared with solid elements up to {SLANT}. Divide the leaf spring, or compare it yourself.",
             BeamTheoryWarning,
         )
 
@@ -104,7 +104,7 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
     if alone and long < SHORTEST:
         warn(
             f"Element '{name}' is {long:.2g} times as long as wide. From {SHORTEST} on, stiffnesses of leaf springs"
-            " agree with solid elements. Make what is shorter of solid or shell elements, or compare it yourself.",
+            " agree with solid elements. Model shorter ones by solid or shell elements, or compare it yourself.",
             BeamTheoryWarning,
         )
     wide = width / float(section.thickness)
@@ -112,7 +112,7 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
     if builder.dimension == 3 and wide < NARROWEST:
         warn(
             f"Element '{name}' is {wide:.2g} times as wide as thick. From {NARROWEST:g} on, stiffnesses of leaf springs"
-            " agree with solid elements. Make what is thicker of beams, or compare it yourself.",
+            " agree with solid elements. Model thicker ones by beams, or compare it yourself.",
             BeamTheoryWarning,
         )
 

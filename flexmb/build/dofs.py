@@ -85,14 +85,14 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
             called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
             if side == "Input" and held and not moves:
                 raise ModelError(
-                    f"Input {called} acts on a {what} that is {roles[0].value}, so it has no effect. Let it act on"
-                    " something that can move, make it a displacement, velocity or acceleration, or leave it out."
+                    f"Input {called} acts on a {what} that is {roles[0].value}, so it has no effect. Let it act on a"
+                    " coordinate that can move, make it a displacement, velocity or acceleration, or leave it out."
                 )
             if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
                 role = next(role for role in roles if role not in HELD).value
                 turn = "" if part.axis is None else turn_of(of)
                 told = any(turn == element for element, *_ in labels.elements)
-                there = f" Its rotation is that of the element '{turn}', whose deformation 1 has it." if told else ""
+                there = f" Its rotation is deformation 1 of the element '{turn}'." if told else ""
                 raise ModelError(
                     f"{side} {called} is the {part.quantity} of a {what} that is {role}, but only a FIXED or"
                     f" PRESCRIBED one has it.{there or ' Fix or prescribe it, or leave this out.'}"

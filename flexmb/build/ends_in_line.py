@@ -163,7 +163,9 @@ def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, clamped: 
     if (steepest := float(np.max(np.abs(angles)))) > SKEWEST:
         faults.append(f"a cut of {np.degrees(steepest):.3g} degrees, and fits hold up to 50")
     if length < SHORTEST_SKEW * np.max(widths) and np.any(angles):
-        faults.append(f"it is {length / np.max(widths):.2g} times as long as wide, and skew cuts hold from 1.5 on")
+        faults.append(
+            f"it is {length / np.max(widths):.2g} times as long as wide, and fits of skew cuts hold from 1.5 on"
+        )
     return faults
 
 
@@ -179,7 +181,7 @@ def _about_steps(beside: np.ndarray, sizes: np.ndarray, lengths: list[float]) ->
                     f"beside a step it is {length / width:.2g} times as long as wide, and fits hold from 0.8 on"
                 )
             if not 1 / THICKER <= ratio <= THICKER:
-                faults.append("a step in width and thickness at once, and fits are of one of them")
+                faults.append("a step in both width and thickness, and fits hold for one of them")
     return list(dict.fromkeys(faults))
 
 
@@ -240,6 +242,6 @@ def _check_stiff(name: str, member: Member, length: float) -> None:
         least = float(_least(member, length))
     if least < 0:
         raise ModelError(
-            f"Element '{name}' is too short for its skew cuts: its ends are joined by too little of it to be stiff."
-            " Make it longer, or use solid elements."
+            f"Element '{name}' is too short for its skew cuts: its stiffness cannot be computed. Make it longer, or use"
+            " solid elements."
         )

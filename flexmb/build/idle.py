@@ -42,14 +42,14 @@ def warn_of_idle(builder: Description) -> None:
                 if told:
                     advice = "Release the deformation" if roles else "Give it a stiffness"
                     warn(
-                        f"{what.capitalize()} of element '{of}': {', '.join(told)}, so that it does nothing there."
+                        f"{what.capitalize()} of element '{of}': {', '.join(told)}, so it has no effect there."
                         f" {advice}, or leave it out.",
                         IdleWarning,
                     )
     for sets in builder.loads.values():
         for _, of, _ in sets.get("temperature", {}):
             if all(role is Role.PRESCRIBED for role in builder.members[of].roles):
-                warn(f"Temperature of element '{of}': all of its deformations are PRESCRIBED, so that it does nothing.")
+                warn(f"Temperature of element '{of}': all of its deformations are PRESCRIBED, so it has no effect.")
     for of, member in builder.members.items():
         if not member.roles or any(role not in HELD for role in member.roles):
             continue
@@ -59,7 +59,7 @@ def warn_of_idle(builder: Description) -> None:
             functions = [getattr(member.element, kind) for kind in kinds]
             acts = any(member.element.arguments(f, member.properties) is not None for f in functions)
             if acts and not of_material:
-                warn(f"{what} of element '{of}': all of its deformations are held, so that it does nothing.")
+                warn(f"{what} of element '{of}': all of its deformations are FIXED or PRESCRIBED, so it has no effect.")
 
 
 def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:

@@ -67,8 +67,8 @@ def warn_of_plain_beams(builder: Description) -> None:
     ]
     worst = {what: builder.members[first] for what, (_, first, _) in found.items()}
     warn(
-        f"Plain beams leave out what changes a stiffness: {', '.join(told)}. {_remedy(builder, worst)} Where beam"
-        " theory is what is wanted, ignore fm.BeamTheoryWarning.",
+        f"Plain beams neglect effects on a stiffness: {', '.join(told)}. {_remedy(builder, worst)} If you want beam"
+        " theory, ignore fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
 

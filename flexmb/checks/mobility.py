@@ -200,10 +200,10 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
         what = f"Deformation {entry.component} of element '{entry.of}' ({types.get(entry.of, entry.kind)})"
         if not np.isfinite(value) or not np.isfinite(size):
             part = "its derivative is" if np.isfinite(value) else "it is"
-            raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Write it so that it is.")
+            raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Rewrite it so that it is finite.")
         if abs(value) > NOT_VANISHING * size:
             raise ModelError(
-                f"{what} is {value:.6g} where it must be zero: in the undeformed mechanism, which it is told as `ref`."
+                f"{what} is {value:.6g} but must be zero in the undeformed mechanism, which is its argument `ref`."
             )
 
 

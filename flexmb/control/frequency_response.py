@@ -310,8 +310,8 @@ def _check_rest(hertz: Any, rates: list[str]) -> None:
     """Refuse 0 Hz for an input that is a rate: the motion would be unbounded."""
     if rates and is_concrete(hertz) and np.any(np.asarray(hertz) == 0):
         raise ValueError(
-            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a velocity or an acceleration that never"
-            " ends. Leave that frequency out."
+            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a constant velocity or acceleration."
+            " Leave that frequency out."
         )
 
 
@@ -323,10 +323,10 @@ def _tell_of_infinite(found: FrequencyResponse) -> None:
         hertz = float(found.hertz[f])
         remedy = "Damp it (fm.damped, or `loss_factor`) or leave that frequency out."
         if hertz == 0:
-            remedy = "A motion meets no stiffness. Support it, or leave 0 Hz out."
+            remedy = "A motion has no stiffness. Support it, or leave 0 Hz out."
         warn(
-            f"The response of '{found.outputs[i]}' to '{found.inputs[j]}' is infinite at {hertz:.6g} Hz: a resonance"
-            f" without damping is hit. {remedy}"
+            f"The response of '{found.outputs[i]}' to '{found.inputs[j]}' is infinite at {hertz:.6g} Hz, an undamped"
+            f" resonance. {remedy}"
         )
 
 
@@ -335,7 +335,7 @@ def _tell_of_unstable(unstable: bool) -> None:
     if unstable:
         collect(RESULTS.unstable_state)
         warn(
-            "The equilibrium is not stable: it has a negative frequency. The response is the transfer function there,"
-            " which can be measured only while a controller holds the mechanism. Lower the load, or use a stable state"
-            " of fm.path."
+            "The equilibrium is not stable: it has a negative frequency. The response is the transfer function of this"
+            " state. It can be measured only while a controller stabilises the mechanism. Lower the load, or use a"
+            " stable state of fm.path."
         )

@@ -48,8 +48,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     low, high = _limits(limits)
     if tracking is None and given.windup is not None:
         raise ModelError(
-            "The controller integrates, or may since its A is traced, and would wind up while its outputs are limited."
-            " Give `tracking`, the time constant [s] by which it follows the limits, or np.inf."
+            "The controller has integrators, or its A is traced. Integrators wind up while outputs are limited. Give"
+            " `tracking`, the time constant [s] with which they follow the limits, or np.inf."
         )
     if tracking is not None and given.windup is None:
         raise ModelError("Argument `tracking` is for integrators, but the controller has none. Leave it out.")
@@ -88,8 +88,8 @@ def _limits(limits: Any) -> tuple[Any, Any]:
     bounds = jnp.asarray(limits, float)
     if bounds.ndim and (bounds.ndim != 2 or bounds.shape[1] != 2):
         raise ModelError(
-            "Argument `limits` must be one number, or a least and a largest of each output, (n_u, 2), but has shape"
-            f" {bounds.shape}."
+            "Argument `limits` must be one number, or the smallest and largest value of each output, (n_u, 2), but has"
+            f" shape {bounds.shape}."
         )
     low, high = (bounds[:, 0], bounds[:, 1]) if bounds.ndim else (-bounds, bounds)
     if is_concrete(bounds) and not np.all(np.asarray(low) < np.asarray(high)):
@@ -106,9 +106,9 @@ def _following(given: Feedback | Sampled, tracking: Any) -> Any:
     values = windup.values if isinstance(windup, Table) else windup
     if is_concrete(values) and not np.all(np.isfinite(np.asarray(values))):
         raise ModelError(
-            "The controller's integrators are in a chain, more than its outputs, or unknown since its A is traced. One"
-            " time constant cannot correct them. Give an A of known numbers (NumPy), a Feedback with its own `windup`,"
-            " or tracking=np.inf."
+            "One time constant cannot correct the controller's integrators: they form a chain, are more than its"
+            " outputs, or are unknown since A is traced. Give an A of known numbers (NumPy), a Feedback with its own"
+            " `windup`, or tracking=np.inf."
         )
     share = 1 - jnp.exp(-given.period / tracking) if isinstance(given, Sampled) else 1 / jnp.asarray(tracking)
     return Table(windup.times, share * windup.values) if isinstance(windup, Table) else share * jnp.asarray(windup)
@@ -142,7 +142,9 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
         both = ("The controller's output", u), ("Argument `law`", law(t))
         u, extra = (jnp.atleast_1d(as_reals(what, part, ModelError)) for what, part in both)
         if extra.shape != u.shape:
-            raise ModelError(f"Argument `law` gives shape {extra.shape}, but the controller has {u.shape[0]} outputs.")
+            raise ModelError(
+                f"Argument `law` returns shape {extra.shape}, but the controller has {u.shape[0]} outputs."
+            )
         return u + extra
 
     return _changed(given, added)
@@ -194,7 +196,7 @@ def _of_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Feedback 
     if len(systems) != len(times):
         raise ModelError(f"Argument `controllers` has {len(systems)} systems for {len(times)} times.")
     if not all(map(_is_system, systems)):
-        raise ModelError("Argument `controllers` has systems and others. Give systems of python-control alone.")
+        raise ModelError("Argument `controllers` mixes systems and other objects. Give only systems of python-control.")
     found = [matrices_of(system) for system in systems]
     alike = {(tuple(np.shape(part) for part in matrices), *rest) for matrices, *rest in found}
     if len(alike) > 1:
@@ -254,12 +256,14 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
     late: Any
     if period:
         if order is not None:
-            raise ModelError("Argument `order` is for a continuous controller: samples are delayed exactly.")
+            raise ModelError(
+                "Argument `order` is only for a continuous controller; a sampled controller is delayed exactly."
+            )
         samples = round(delay / period)
         if abs(delay / period - samples) > WHOLE_SAMPLES:
             raise ModelError(
-                f"A sampled controller is delayed by whole samples of {period:g} s, and {delay:g} s are"
-                f" {delay / period:.6g} of them. Sample more often, or round the delay up."
+                f"A sampled controller needs a delay of whole samples: {delay:g} s are {delay / period:.6g} samples of"
+                f" {period:g} s. Sample more often, or round the delay up."
             )
         shift, ends = np.eye(samples, k=-1), np.eye(max(samples, 1))
         one = control.ss(shift, ends[:samples, :1], ends[-1:, :samples], [[float(samples == 0)]], period)

@@ -237,7 +237,7 @@ def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controll
             number = one_of("output", outputs, name.removeprefix("sensor "))
             if loop is None or number not in loop.measured:
                 reads = "there is no controller" if loop is None else "the controller does not read it"
-                raise ModelError(f"Source '{clean(name)}': {reads}, so that noise of this sensor does nothing.")
+                raise ModelError(f"Source '{clean(name)}': {reads}, so noise of this sensor has no effect.")
             of_sensors[number] = density
         else:
             raise KeyError(
@@ -260,15 +260,15 @@ def _check_white(entering: _Entering, lin: Linearization, loop: Controller | Non
     """Refuse sources or controllers without an exact sum over all frequencies; warn of damping that it leaves out."""
     for name, density in zip(entering.names, entering.densities, strict=True):
         if callable(density) or np.ndim(density):
-            raise ValueError(f"Source '{name}' is not white. Give `hertz` or `band`, over which its noise is summed.")
+            raise ValueError(f"Source '{name}' is not white. Give `hertz` or `band` to integrate its noise over.")
     if loop is not None and loop.matrices is None:
         raise ValueError(
             "The controller is a function of frequencies, whose poles are not known. Give `hertz` or `band`."
         )
     if is_concrete(lin.matrices) and (name := damped_without_mass(lin)):
         warn(
-            f"The motion of {name} carries no mass but is damped. The exact sum leaves its damping out. Give `band`,"
-            " which includes it, or give it a mass."
+            f"The motion of {name} carries no mass but is damped. The exact integral neglects this damping. Give"
+            " `band`, which includes it, or give the motion a mass."
         )
 
 
@@ -364,8 +364,8 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
         raise AnalysisError("unstable", f"{what} is unstable: {how} grows. Its noise is unbounded. {remedy}")
     raise AnalysisError(
         "unstable",
-        f"{what} does not come to rest: {how} has no damping. Its response to white noise is unbounded. Damp it, as by"
-        " fm.damped(model, ratio=0.01), or give a `band` without it.",
+        f"{what} does not come to rest: {how} has no damping. Its response to white noise is unbounded. Damp it, such"
+        " as by fm.damped(model, ratio=0.01), or give a `band` without it.",
     )
 
 
@@ -375,7 +375,7 @@ def _refuse_undamped(poles: Any) -> None:
         raise AnalysisError(
             "unstable",
             f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping. Its noise is"
-            " unbounded. Damp it, as by fm.damped(model, ratio=0.01), or give a band without it.",
+            " unbounded. Damp it, such as by fm.damped(model, ratio=0.01), or give a band without it.",
         )
 
 
@@ -384,9 +384,9 @@ def _tell_of_infinite(found: NoiseBudget) -> None:
     if len(infinite):
         i, j = infinite[0]
         warn(
-            f"The root mean square of '{found.outputs[i]}' by '{found.sources[j]}' is infinite: white noise passes at"
-            " once, or makes it drift, or a resonance without damping is hit. Give a `band` within which to sum, or"
-            " damp the resonance."
+            f"The root mean square of '{found.outputs[i]}' by '{found.sources[j]}' is infinite: white noise reaches it"
+            " directly or makes it drift, or a resonance is undamped. Give a `band` to integrate over, or damp the"
+            " resonance."
         )
 
 
@@ -397,8 +397,8 @@ def _tell_of_rest(found: NoiseBudget) -> None:
     if len(drifting):
         i, j = drifting[0]
         warn(
-            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz. Its root mean square is"
-            f" that from {short(found.hertz[0])} Hz, where the sum begins. Give the band a lowest frequency."
+            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz. Its root mean square"
+            f" begins at {short(found.hertz[0])} Hz. Give the band a lowest frequency."
         )
 
 

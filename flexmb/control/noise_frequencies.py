@@ -55,8 +55,8 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
         gain = jax.lax.stop_gradient(loop.by_frequency(hertz))
         if not is_concrete((gain, lin, grid)):
             raise ValueError(
-                "With a controller function, the frequencies of a `band` are chosen by concrete numbers. Give `hertz`"
-                " under jax.jit."
+                "For a controller function, flexmb chooses the frequencies of a `band` from concrete numbers. Give"
+                " `hertz` under jax.jit."
             )
         return gain
 
@@ -83,7 +83,7 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
         grid = np.insert(grid, coarse + 1, more)
     if np.any(sharp):
         warn(
-            f"The loop around a controller function is not resolved by {len(grid)} frequencies: it has an undamped"
+            f"{len(grid)} frequencies do not resolve the loop around a controller function: it has an undamped"
             " resonance, or a long delay. The root mean square may be wrong. Give `hertz`, or damping."
         )
     return grid
@@ -145,8 +145,8 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
             gaps = gaps[:, ~narrow]
     if gaps.size:
         warn(
-            f"The density of source '{name}' is not resolved by {len(found)} frequencies, such as at"
-            f" {gaps[0, 0]:.6g} Hz: it is too rough there. The root mean square may be wrong. Give `hertz`."
+            f"The density of source '{name}' is too rough: {len(found)} frequencies do not resolve it, such as at"
+            f" {gaps[0, 0]:.6g} Hz. The root mean square may be wrong. Give `hertz`."
         )
     return np.unique(found)
 

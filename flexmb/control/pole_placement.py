@@ -119,8 +119,8 @@ def pid(
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:
         raise ValueError(
-            f"The plant by itself decays with {d / m:.4g} 1/s, and the wanted poles together with {a3:.4g} 1/s only."
-            " Give a higher `bandwidth` or a larger `fast`."
+            f"The plant alone has more damping ({d / m:.4g} 1/s) than all wanted poles together ({a3:.4g} 1/s). Give a"
+            " higher `bandwidth` or a larger `fast`."
         )
     filtered = m / (a3 * m - d)
     kd, kp, ki = m * filtered * a2 - d - k * filtered, m * filtered * a1 - k, m * filtered * a0

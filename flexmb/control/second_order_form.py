@@ -435,6 +435,6 @@ def _refuse_idle(lin: Linearization, found: LargeSecondOrder) -> None:
     if len(idle):
         s = lin.labels.inputs[idle[0]]
         raise ModelError(
-            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state. Let it act on something that can move,"
+            f"Input '{s.name}' (a {s.quantity}) moves nothing in this state. Let it act on a coordinate that can move,"
             " or leave it out."
         )

@@ -165,8 +165,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
         )
     if plant.dt:
         raise ModelError(
-            f"The mechanism's state space is sampled, with dt = {plant.dt}. Give the continuous one. It is sampled"
-            " here as the controller is."
+            f"The mechanism's state space is sampled, with dt = {plant.dt}. Give the continuous state space; flexmb"
+            " samples it like the controller."
         )
     check_finite("mechanism's state space", (plant.A, plant.B, plant.C, plant.D))
     own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")

@@ -336,9 +336,9 @@ def _warn_of_lost_damping(lin: Linearization, whole: SecondOrder, found: StateMa
     off = np.max(np.abs(np.subtract(by_states, right)) / np.where(sizes > 0, sizes, 1.0))
     if not off < LOST_DAMPING:
         warn(
-            f"The motion of {name} carries no mass but is damped. In a state space it follows at once, without that"
-            f" damping: responses and poles are wrong by up to {100 * off:.2g} %. fm.poles, fm.frequency_response and a"
-            " noise budget in a band include the damping. Give it a mass, or no damper."
+            f"The motion of {name} carries no mass but is damped. A state space neglects this damping: responses and"
+            f" poles are wrong by up to {100 * off:.2g} %. fm.poles, fm.frequency_response and a noise budget in a band"
+            " include the damping. Give the motion a mass, or remove the damper."
         )
 
 
@@ -360,9 +360,9 @@ def _refuse_rates(lin: Any, late: np.ndarray, orders: tuple[int, ...]) -> None:
     output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
     has, takes, needs = (MOTIONS[orders[u] + int(rate)] for rate in (0, late[y, u], np.max(late[:, u])))
     raise ModelError(
-        f"Output '{output}' takes the {takes} of what the input '{source}' moves. A state space knows only its {has}."
-        f' Make the input the {needs}, quantity="{needs}", which adds the motion itself to the states; or leave the'
-        " output out."
+        f"Output '{output}' needs the {takes} of the coordinate that the input '{source}' moves, but a state space"
+        f' contains only its {has}. Give the input quantity="{needs}", which adds this motion to the states; or leave'
+        " the output out."
     )
 
 
@@ -390,7 +390,7 @@ def _all_massless(lin: Linearization) -> tuple[int, ...]:
     if len(condensed) > 1:
         raise AnalysisError(
             "singular_mass",
-            RESULTS.singular_mass.message + " Which motion carries none changes along the motion. Choose a time.",
+            RESULTS.singular_mass.message + " The motions without mass change with time. Choose one time.",
         )
     return condensed.pop()
 
@@ -426,8 +426,8 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
     if idle:
         s = inputs[min(idle)]
         raise ModelError(
-            f"Input '{s.name}' (a {s.quantity}) moves nothing about this state: its columns of B and D are zero. Let it"
-            " act on something that can move, or leave it out."
+            f"Input '{s.name}' (a {s.quantity}) moves nothing in this state: its columns of B and D are zero. Let it"
+            " act on a coordinate that can move, or leave it out."
         )
 
 

@@ -68,7 +68,7 @@ def _refuse_both(lin: Linearization, modes: Any, bandwidth: Any) -> None:
         raise ValueError("Give `modes` or `bandwidth`, not both: each chooses the modes to keep.")
     refuse_unsymmetric(lin.symmetric)
     if bandwidth is not None and not is_concrete((lin.matrices, bandwidth)):
-        raise ValueError("Which modes are below a `bandwidth` depends on traced numbers. Give `modes` under a trace.")
+        raise ValueError("The modes below a `bandwidth` depend on traced numbers. Give `modes` under a trace.")
 
 
 def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]]) -> tuple[tuple[int, ...], Any]:
@@ -81,7 +81,7 @@ def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]
         if not len(below):
             raise ValueError(
                 f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz. No state"
-                " would be left. Up to there the response is that at rest, fm.frequency_response(model, 0.0)."
+                " would be left. Up to there the response is static: fm.frequency_response(model, 0.0)."
             )
         if len(below) < len(hertz) or count >= most:
             return tuple(below.tolist()), answer
@@ -93,7 +93,7 @@ def _refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -
     out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL_MODE * hertz[-1]]
     if out:
         raise ValueError(
-            f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz) and cannot follow at once. Keep it, as"
+            f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz) and cannot follow statically. Keep it, as"
             f" number {out[0]} of `modes`."
         )
 

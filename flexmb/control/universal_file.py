@@ -46,7 +46,9 @@ def write(response: Responses, path: str | os.PathLike) -> None:
     if len(hertz) < 2:
         raise ValueError("A universal file needs two frequencies or more.")
     if not np.all(np.isfinite(values)):
-        raise ValueError("A universal file holds finite numbers, and a response is not finite: damp the resonance.")
+        raise ValueError(
+            "A universal file contains only finite numbers, but a response is not finite: damp the resonance."
+        )
     for name in (*response.outputs, *response.inputs):
         if len(name) > LINE or not name.isprintable():
             raise ValueError(f"A universal file has lines of {LINE} letters, which cannot hold '{clean(name)}'.")
@@ -127,7 +129,7 @@ def _to_si(path: Any, one: dict[str, Any], units: dict[str, Any]) -> float | Non
         elif kind in (TYPES["force"], TYPES["reaction"]):
             sizes.append(force * length if turns else force)
         else:
-            raise ValueError(f"'{clean(path)}' is not in SI units and does not say what its signals are.")
+            raise ValueError(f"'{clean(path)}' is not in SI units and does not state the quantities of its signals.")
     return sizes[1] / sizes[0]
 
 
@@ -192,7 +194,7 @@ def _tell_of_rounding(hertz: np.ndarray) -> None:
     worst = int(np.argmax(off))
     if off[worst] > 1e-12 * hertz[worst]:
         warn(
-            f"A universal file has six digits of a frequency: {hertz[worst]:.9g} Hz becomes"
-            f" {_as_written(hertz[worst : worst + 1])[0]:.6g} Hz, while its response keeps twelve. Ask for equal steps,"
-            " or for frequencies of six digits."
+            f"A universal file stores six digits of a frequency: {hertz[worst]:.9g} Hz becomes"
+            f" {_as_written(hertz[worst : worst + 1])[0]:.6g} Hz, while the response has twelve digits. Use equal"
+            " steps, or frequencies of six digits."
         )

@@ -44,7 +44,7 @@ class Stored:
     def __init__(self, path: Path, file: BinaryIO):
         self.path, self.file = path, file
         if file.read(len(MAGIC)) != MAGIC:
-            raise refusal(path, "is no checkpoint of a sweep, or its beginning is damaged")
+            raise refusal(path, "is no checkpoint of a sweep, or its first record is damaged")
         head, of_designs = _next(file), _next(file)
         if not head or not of_designs:
             raise refusal(path, "is damaged: it does not name its sweep")

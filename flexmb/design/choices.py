@@ -24,7 +24,10 @@ def options_of(choices: Mapping[str, Any], dimensions: Sequence[str]) -> Options
         if name in dimensions:
             raise ValueError(f"'{clean(name)}' is a choice and a dimension. Give it once.")
         if isinstance(given, str) or not isinstance(given, Mapping | Sequence | np.ndarray):
-            raise ValueError(f"Choice '{clean(name)}' must be a list of values, or a table by name, not {_of(given)}.")
+            raise ValueError(
+                f"Choice '{clean(name)}' must be a list of values, or a dictionary of values by label, not"
+                f" {_of(given)}."
+            )
         if not len(given):
             raise ValueError(f"Choice '{clean(name)}' has no values. Give at least one.")
         found[name] = {clean(k): v for k, v in given.items()} if isinstance(given, Mapping) else _labelled(name, given)
@@ -32,8 +35,8 @@ def options_of(choices: Mapping[str, Any], dimensions: Sequence[str]) -> Options
     if count > MOST:
         listed = ", ".join(f"{clean(name)} {len(given)}" for name, given in found.items())
         raise ValueError(
-            f"There are {count} combinations of choices ({listed}), at most {MOST}: each is compiled by itself. Give"
-            " fewer values, or search one choice after the other."
+            f"There are {count} combinations of choices ({listed}), but at most {MOST} are allowed, since each is"
+            " compiled separately. Give fewer values, or search one choice after the other."
         )
     return found
 

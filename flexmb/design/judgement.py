@@ -223,7 +223,7 @@ def _stiffness(page: Verdict, name: str, rest: int) -> str:
     """Return the stiffness of the node along or about an axis, and its loss over the stroke."""
     values, axis = page.curves[name], name.split()[-1]
     if np.all(np.isinf(values)):
-        return f"{axis} rigid in this model"
+        return f"{axis} rigid in the model"
     i = most(-values)
     if not np.isfinite(values[rest]):
         return f"{axis} rigid at rest, {page.measured(name, i)} {page.where(i)}"
@@ -236,10 +236,10 @@ def _stability(page: Verdict) -> str:
     text = "stable"
     if not np.all(page.held_stable):
         falls = np.flatnonzero(~page.held_stable)
-        text = f"unstable while the drive holds it {page.where(falls[np.argmin(np.abs(page.stroke[falls]))])}"
+        text = f"unstable even with the drive fixed {page.where(falls[np.argmin(np.abs(page.stroke[falls]))])}"
     elif not np.all(page.free_stable):
         first, last = np.flatnonzero(~page.free_stable)[[0, -1]]
-        text = f"stands by the drive alone, from {page.where(first)[3:]} to {page.where(last)[3:]}"
+        text = f"stable only with the drive fixed, from {page.where(first)[3:]} to {page.where(last)[3:]}"
     if "buckling" not in page.curves:
         return text
     values = page.curves["buckling"]
@@ -264,7 +264,7 @@ def _first(page: Verdict) -> str:
 def _by_dimension(page: Verdict) -> str:
     """Return the dimensions that change the first limit, the most effective dimension first."""
     if page.sensitivities is None:
-        return "give a function of them: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
+        return "give a function of the dimensions: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
     if not page.limits:
         return "no limit is known; .sensitivities has every curve by them"
     found, first = page.sensitivities, page.limits[0]

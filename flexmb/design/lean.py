@@ -96,7 +96,7 @@ class Lean(Result):
         full, lean_ = self.full.topology, self.model.topology
         hertz = ", ".join(f"{f:.6g}" for f in self.full_frequencies)
         lines = [
-            f"Question: up to {self.bandwidth:g} Hz within {100 * self.tolerance:g} %.",
+            f"Question: frequencies up to {self.bandwidth:g} Hz, within {100 * self.tolerance:g} %.",
             f"Full model: {full.n_q} degrees of freedom; lean model: {lean_.n_q} ({', '.join(self.model.q_labels)}).",
             f"Natural frequencies of the full model up to the first above the band: {hertz} Hz.",
             f"Of the lean model: {', '.join(f'{f:.6g}' for f in self.frequencies)} Hz.",
@@ -258,7 +258,10 @@ def _tell_beyond_scatter(against: Mapping[str, float]) -> None:
     """Warn of answers in which the lean model differs by more than HIDDEN deviations."""
     if beyond := [name for name, size in against.items() if not abs(size) <= HIDDEN]:
         listed_names = ", ".join(f"'{name}' ({against[name]:+.2g} deviations)" for name in beyond)
-        warn(f"The lean model differs by more than half of the scatter in {listed_names}. Lower `tolerance`.")
+        warn(
+            f"The lean model differs from the full model by more than half of the scatter in {listed_names}. Lower"
+            " `tolerance`."
+        )
 
 
 def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:
@@ -336,7 +339,9 @@ def _fewest_beams(
     """Return the model with the fewest beams of each leaf spring, the numbers of beams, and the error."""
     names = list(inspect.signature(build).parameters)
     if not names:
-        raise ModelError("The function of lean() has no arguments. It needs numbers of beams of leaf springs.")
+        raise ModelError(
+            "The function of lean() has no arguments. Its arguments must be the numbers of beams of leaf springs."
+        )
 
     def responses(counts: dict[str, int]) -> tuple[Any, list[Response]]:
         model = build(**counts)

@@ -58,9 +58,9 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
         names = among(str(model.labels.e[i]) for i in fixed)
         if worst.worst > tolerance:
             says = "adds a vibration to the band" if np.isinf(worst.worst) else f"changes it by {worst.worst:.2g}"
-            reasons.append(f"FIXED are {names}; releasing them {says}: release them (RLSE, `released=`).")
+            reasons.append(f"{names} are FIXED; a release {says}: release them (RLSE, `released=`).")
     reasons += [
-        f"Beam '{name}' vibrates between its ends at {hertz:.4g} Hz, near the band: divide it into two or more, or take"
+        f"Beam '{name}' vibrates between its ends at {hertz:.4g} Hz, near the band: divide it into two or more, or use"
         " a spectral beam."
         for name, hertz in _own_vibrations(model)
         if hertz < NEAR_BAND * bandwidth

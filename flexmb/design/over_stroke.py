@@ -134,7 +134,7 @@ class StrokeQuestions:
 
     def _checked_node(self) -> str:
         if self.node is None:
-            raise ModelError("a deformation belongs to no one node: give `node`")
+            raise ModelError("a deformation belongs to several nodes: give `node`")
         return self.node
 
     def _frequencies(self, at: AtStroke, rest: Any) -> dict[str, Any]:
@@ -151,7 +151,7 @@ class StrokeQuestions:
             at_rest = _stress(self.at[0.0])
             if at_rest.left_out:
                 names = listed([repr(name) for name in at_rest.left_out])
-                self.unanswered[f"stress of {names}"] = "the section is given by its rigidities and has no shape"
+                self.unanswered[f"stress of {names}"] = "the section is given by its rigidities, without a shape"
             for what, quantity, limit in (("yield", "strength", "strength"), ("fatigue", "fatigue", "fatigue limit")):
                 borne = getattr(at_rest, quantity)
                 silent = np.ones(len(at_rest.names), bool) if borne is None else np.all(np.isinf(borne), axis=1)
@@ -161,7 +161,7 @@ class StrokeQuestions:
         increment = self.model.parameters.increment
         others = () if increment is None else ("force", "gravity", "prestress", "temperature", "x", "e")
         if any(getattr(increment, n) is not None for n in others if not (self.driven.given and n == self.driven.kind)):
-            self.unanswered["incremental loads"] = "left out, the stroke takes their place"
+            self.unanswered["incremental loads"] = "they are left out: the stroke replaces them"
 
     def curves(self) -> dict[str, np.ndarray]:
         """Numbers at all strokes so far, ascending, by name; NaN if missing."""
@@ -253,7 +253,7 @@ def _is_positive(k: Float[Array, "n n"]) -> Bool[Array, ""]:
 def _buckling(at: AtStroke, rest: Any) -> dict[str, Any]:
     """Multiplier of the constant loads; zero if the mechanism is unstable though the drive holds it."""
     if any(block.element.force is not None for block in at.free.model.topology.blocks):
-        raise ModelError("loads that turn with the mechanism have no multiplier: follow them by fm.path")
+        raise ModelError("follower loads have no load multiplier: use fm.path")
     least = jnp.array(jnp.inf) if at.margins is None else at.margins[0]
     return {"buckling": jnp.where(_stands(at.held), least, 0.0)}
 

@@ -123,9 +123,11 @@ def make_problem(
         if not isinstance(name, str) or name not in places:
             raise ValueError(f"There is no answer '{clean(name)}'. Answers are: {', '.join(places)}.")
     if len(given) > 1:
-        raise ValueError("Give either `minimize` or `maximize`. To weigh two answers, write an answer of your own.")
+        raise ValueError(
+            "Give either `minimize` or `maximize`. To weigh two answers, define an answer that combines them."
+        )
     if not (given or targets):
-        raise ValueError("Say what is wanted: `minimize`, `maximize` or `targets`.")
+        raise ValueError("Give an objective: `minimize`, `maximize` or `targets`.")
     weights = np.zeros(len(start))
     for name in given:
         place = _place(name, places[name], shapes[name], "min" if minimize else "max")

@@ -254,7 +254,7 @@ def scatter(
     values = {name: numbers(f"Nominal value of '{clean(name)}'", value) for name, value in (nominal or {}).items()}
     for name in values:
         if name not in spreads:
-            raise ValueError(f"Nominal value of '{clean(name)}': it has no scatter. Give it to `build` itself.")
+            raise ValueError(f"Nominal value of '{clean(name)}': it has no scatter. Set it inside `build`.")
     return Scatter(spreads, pairs, values)
 
 

@@ -115,7 +115,7 @@ def search(
         return Attempt(start, nothing, evaluate.failed, "the start could not be computed", np.nan, np.nan, [])
     if not len(start):
         # There are choices only.
-        end, reason, result = start, "there is nothing else to vary", RESULTS.successful
+        end, reason, result = start, "no other dimension can vary", RESULTS.successful
         if problem.violation(evaluate.history[-1][1]) > tolerance:
             result = RESULTS.infeasible
     elif _is_least_squares_solver(optimizer):
@@ -273,7 +273,7 @@ def _augmented(
     except _Stop:
         return _best(problem, evaluate.history, tolerance), "max_evaluations reached", RESULTS.not_optimal
     if nearest[0] <= NEARLY_STATIONARY or not constrained:
-        why = "no further descent was found: the objective may have a kink there, or be known no better"
+        why = "no further descent was found: the objective may have a kink there, or no more accurate digits"
         if evaluate.failed is not RESULTS.successful:
             why += f"; designs around it failed ({evaluate.failed.name})"
         return nearest[1], why, RESULTS.successful if nearest[0] <= NEARLY_STATIONARY else RESULTS.not_optimal

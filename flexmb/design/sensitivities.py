@@ -135,7 +135,7 @@ def derived(
     if throw and result in NO_DERIVATIVE:
         # `check` below accepts this code, which has values but no derivatives.
         raise AnalysisError(result.name, result.message)
-    subject = f"It concerns the sensitivities of {', '.join(functions)}."
+    subject = f"This affects the sensitivities of {', '.join(functions)}."
     check(int(result), throw, subject)
     if result is RESULTS.unstable_state:
         warn(f"{result.message} {subject}")

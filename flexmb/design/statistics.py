@@ -132,10 +132,10 @@ def sampled_of(
     if scatter is None:
         if statistics or wants_yield or acceptable:
             what = next(iter(statistics), YIELD if wants_yield else "acceptable")
-            raise ValueError(f"'{clean(what)}' is about made mechanisms. Give `scatter`, of fm.scatter(..).")
+            raise ValueError(f"'{clean(what)}' is a statistic of made mechanisms. Give `scatter` from fm.scatter(..).")
         return None
     if not isinstance(scatter, Scatter):
-        raise TypeError(f"Argument `scatter` must be of fm.scatter(..), but is {clean(repr(scatter))}.")
+        raise TypeError(f"Argument `scatter` must be a result of fm.scatter(..), but is {clean(repr(scatter))}.")
     if wants_yield and not acceptable:
         raise ValueError("The yield needs `acceptable`: limits of answers by name.")
     if acceptable and YIELD in answers:

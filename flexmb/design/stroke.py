@@ -160,8 +160,8 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
         raise StrokeError(
-            f"{called}: an Euler parameter is no angle. Drive the angle of a hinge, or the angle about a global axis:"
-            f" '{node}.rx'."
+            f"{called}: an Euler parameter is not an angle. Drive the angle of a hinge, or the angle about a global"
+            f" axis: '{node}.rx'."
         )
     if index in np.asarray(roles_of_kind.fixed):
         raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")
@@ -229,7 +229,7 @@ def _what_moves(model: Model, name: str = "") -> str:
     """A sentence with names of coordinates that move."""
     motions, _ = motions_of(model)
     moving = [name_of(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE]
-    return f"What moves is {among(moving, name)}." if moving else "Nothing of it moves."
+    return f"These move: {among(moving, name)}." if moving else "Nothing of it moves."
 
 
 def unit_of_driven(model: Model, what: StrokeDrive) -> str:

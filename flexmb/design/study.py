@@ -61,7 +61,7 @@ class Study:
         """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""
         if self.choices:
             raise StudyError(
-                f"{self.name}: [choices]: a sweep has none. Give one value of each as a parameter, or tune."
+                f"{self.name}: [choices]: a sweep has no choices. Give one value of each as a parameter, or use tune."
             )
         with naming(f"{self.name}: "):
             designs = self.designs()

@@ -226,7 +226,9 @@ class StudyReader:
         about = f"{self.name}: model"
         if _is_function(text):
             if release is not None:
-                raise StudyError(f"release is for a model in a file. The function '{clean(text)}' releases itself.")
+                raise StudyError(
+                    f"release is for a model in a file. Release inside the function '{clean(text)}' instead."
+                )
             function = function_of("model", folder, text)
             try:
                 check_dimensions(function, tuple(name for name, _ in fixed) + free)

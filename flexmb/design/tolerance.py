@@ -256,5 +256,5 @@ def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray],
         warn(
             f"The scatter of {listed(names)} is not linear in the dimensions. Its first-order deviation is wrong:"
             " within the tolerances two frequencies nearly coincide, or a design has no answer. Set samples=1000, or"
-            " ask for a smooth measure of both, such as fm.linear.smooth_minimum."
+            " use a smooth measure of both, such as fm.linear.smooth_minimum."
         )

@@ -340,9 +340,9 @@ def _tell(kernel: _Kernel, best: Attempt) -> None:
     """Warn of designs that were left out, and of an unstable best design."""
     if kernel.left_out:
         warn(
-            "The search left out designs whose leaf springs are clamped otherwise than at the start: beside a part that"
-            " is three times as thick, or at a fold of 5 degrees. Start on the other side to search there, or set"
-            " `clamped`."
+            "The search left out designs whose leaf springs are clamped differently from the start: a neighbouring part"
+            " passed three times the thickness, or a fold passed 5 degrees. Start on the other side to search there, or"
+            " set `clamped`."
         )
     if best.unit.tobytes() in kernel.unstable:
         warn(
@@ -362,7 +362,7 @@ def _check_start(of_answers: Layout, at_start: Any, note: str) -> None:
         raise _StartError(text, RESULTS(code))
     for name, value, row in zip(of_answers.labels, values, slopes, strict=True):
         if not np.isfinite(value):
-            text = f"Answer '{name}' is {value} at the start. Start elsewhere, or ask for something finite."
+            text = f"Answer '{name}' is {value} at the start. Start elsewhere, or use an answer that is finite."
             raise _StartError(text, RESULTS.not_finite)
         if not np.all(np.isfinite(row)):
             text = f"Answer '{name}' has no finite derivative at the start. Start elsewhere."
@@ -385,7 +385,9 @@ def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: 
 def _refuse_ignored(labels: list[str], ignored: np.ndarray) -> None:
     if np.any(ignored):
         names = ", ".join(f"'{label}'" for label, i in zip(labels, ignored, strict=True) if i)
-        raise ValueError(f"No wanted answer depends on dimension {names}. Fix it in `build`, or ask for more.")
+        raise ValueError(
+            f"No wanted answer depends on dimension {names}. Fix it in `build`, or add an answer that depends on it."
+        )
 
 
 def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:

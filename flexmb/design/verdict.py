@@ -87,7 +87,9 @@ def verdict(
         check_dimensions(model, tuple(dimensions))
         build, model = model, model(**dimensions)
     elif dimensions is not None:
-        raise TypeError("Argument `dimensions` goes with a function of them. Give it instead of the model.")
+        raise TypeError(
+            "Argument `dimensions` needs a function of the dimensions. Give the function instead of the model."
+        )
     model = as_determined(as_known(model, "verdict"), "verdict")
     name, (low, high) = _ends(stroke)
     model = with_turn(model, str(name))
@@ -144,7 +146,7 @@ def _limits(
     for name, value in given.items():
         name = "frequency 1" if name == "frequency" else name
         if name not in curves:
-            why = "".join(f" Not answered is {what}: {why}." for what, why in asked.unanswered.items())
+            why = "".join(f" {what} has no answer: {why}." for what, why in asked.unanswered.items())
             raise ValueError(f"Limit of {shown(name)}: there is no such curve. There are: {', '.join(curves)}.{why}")
         wanted[name] = value
     found = []
@@ -219,10 +221,12 @@ def _limit(name: str, value: Any) -> Limit:
         pair = tuple(value)
     for end in pair:
         if end is not None and not (as_numbers(end) is not None and np.ndim(end) == 0 and 0 < end < np.inf):
-            raise ValueError(f"Limit of '{name}' must be positive, or (lower, upper) of such, but is {shown(value)}.")
+            raise ValueError(
+                f"Limit of '{name}' must be a positive number or a pair (lower, upper), but is {shown(value)}."
+            )
     lower, upper = (None if end is None else float(end) for end in pair)
     if lower is None and upper is None:
-        raise ValueError(f"Limit of '{name}' is none at all. Leave it out.")
+        raise ValueError(f"Limit of '{name}' is (None, None). Leave it out.")
     if lower is not None and upper is not None and not lower < upper:
         raise ValueError(f"Limits of '{name}' are empty: lower {lower:g} is not below upper {upper:g}.")
     return Limit(name, lower, upper, np.zeros(0), None)

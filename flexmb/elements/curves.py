@@ -121,7 +121,7 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     except (TypeError, ValueError):
         pass
     if given.ndim != 2 or len(given) < 3 or given.shape[1] not in (2, 3) or not np.all(np.isfinite(given)):
-        raise ModelError(f"A curve goes through three points at least, (n, 2) or (n, 3), not {shown(points)}.")
+        raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {shown(points)}.")
     across = None
     if y is not None:
         if given.shape[1] == 2:
@@ -130,11 +130,11 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
         across = np.asarray(y, float)
     away = np.linalg.norm(np.diff(given, axis=0), axis=1)
     if np.min(away) <= 0:
-        raise ModelError("Two points of a curve that follow each other coincide.")
+        raise ModelError("Two successive points of a curve coincide.")
     if across is not None:
         sine = np.linalg.norm(np.cross(given[1] - given[0], across))
         if not sine > PARALLEL * away[0] * np.linalg.norm(across):
-            raise ModelError("`y` of a curve is zero or parallel to its beginning: give a vector across it.")
+            raise ModelError("`y` of a curve is zero or parallel to its first direction: give a vector across it.")
     reached, values = _sampled(given, np.concatenate([[0], np.cumsum(away)]), across)
     made = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
     length = float(np.asarray(curve_length(np.linalg.norm(given[-1] - given[0]), made)))
@@ -142,7 +142,7 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     middle = np.asarray(to_middle(made, chord, length, across))
     at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - given[0]
     if not np.linalg.norm(middle - at_middle) <= SAME_LINE * length:
-        raise ModelError("A curve through points bends too sharply for one beam: make several beams of it.")
+        raise ModelError("A curve through points bends too sharply for one beam: use several beams.")
     return CurvedLine(made.coefficients, at_middle, chord)
 
 
@@ -233,7 +233,7 @@ def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
 def beam_length(chord: Any, curvature: Any, steps: int | None = None) -> Any:
     """Return the length of a beam from its chord, in space with its number of steps, () [m]."""
     if isinstance(curvature, CurvedLine) and (curvature.coefficients.ndim == 1) is not (steps is None):
-        raise ModelError("the curvature has one number a place in the plane, three in space")
+        raise ModelError("the curvature has one number per place in the plane, three in space")
     return curve_length(chord, curvature, steps or 8)
 
 
@@ -350,8 +350,8 @@ def faults_of_curve(ref: Any, curve: CurvedLine, y: Any = None) -> list[str]:
         return ["has an initial curvature that no curve between its ends has"]
     if not holds(off < SAME_LINE):
         return [
-            "has an initial curvature through points whose last is not as far from the first, in the same direction, as"
-            " its last node from its first: put the nodes at these points"
+            "has an initial curvature through points whose ends do not match its nodes: put its nodes at the first and"
+            " the last point"
         ]
     if not holds(around < 10 * SAME_LINE):
         return ["has an initial curvature through points with another y: give curvature_through the y of the element"]

@@ -73,7 +73,9 @@ class General(Section):
         Raises:
             ModelError: Always.
         """
-        raise ModelError("A section of general stiffness is for spatial.spectral_beam. Take a Rigidity or a shape.")
+        raise ModelError(
+            "A section of general stiffness is for spatial.spectral_beam. Use a Rigidity or a section with a shape."
+        )
 
     def stated(self, quantity: str) -> Any:
         """Return the time constant of the damping, and None for every other quantity.
@@ -166,7 +168,7 @@ def _faults_of_stiffness(stiff: Any, names: tuple[str, ...]) -> list[str]:
     # Strains of the worst matrix whose combination has the least energy.
     worst = shapes[..., 0].reshape(-1, len(names))[np.argmin(least[..., 0].ravel())]
     taking = " and ".join(name for name, part in zip(names, worst, strict=True) if abs(part) > PART)
-    return [f"stiffness that is not positive definite: strains of {taking} together take no work"]
+    return [f"stiffness that is not positive definite: combined strains of {taking} need no work"]
 
 
 # Least share of a strain in an eigenvector to be named in the error.

@@ -565,12 +565,12 @@ def faults_of_leaf(section: Section, ref: Any, curvature: Any = None, count: int
     """Return the faults of the section of a leaf spring."""
     if isinstance(section, Profile):
         if section.breaks:
-            return ["has a section with breaks: make a leaf spring of each piece, and join them at nodes"]
+            return ["has a section with breaks: use one leaf spring per piece, and join them at nodes"]
         if faults := check_section(section, ref, curvature, count):
             return faults
         section = section._kind()
     if not isinstance(section, Rectangle):
-        return [f"has a section of kind {type(section).__name__}, but a leaf spring's is a Rectangle"]
+        return [f"has a section of kind {type(section).__name__}, but a leaf spring needs a Rectangle"]
     if section.warping_length is not None:
         return ["has a section with warping_length, but it counts restrained warping itself: leave it out"]
     return []

@@ -310,7 +310,8 @@ def faults_of_ends(skew: Any, clamp: Any) -> list[str]:
     """Return the faults of the cuts and roots of a leaf spring."""
     if skew is not None and not holds(abs(as_floats(skew)) < STEEPEST):
         return [
-            "has an end that is cut along itself: `skew` has the angles from a straight cut, in radians, below pi/2"
+            "has an end that is cut along its length: angles of `skew` count from a straight cut, in radians, below"
+            " pi/2"
         ]
     if any(root is not None and not holds(as_floats(root) > 0) for root in clamp or ()):
         return ["has a root without stiffness: the stiffnesses of `clamp` must be positive"]

@@ -135,6 +135,6 @@ def _warn_of_stocky(deep: Any, wide: Any) -> None:
     if is_concrete((deep, wide)) and (deep > DEEPEST or wide < NARROWEST):
         warn(
             f"A notch hinge whose neck is {deep:.2g} of its radius, and {wide:.2g} times as wide as sqrt(radius neck),"
-            f" was not compared with solid elements: they were solved up to {DEEPEST} and from {NARROWEST:g} on.",
+            f" was not compared with solid elements: comparisons go up to {DEEPEST} and from {NARROWEST:g} on.",
             BeamTheoryWarning,
         )

@@ -207,8 +207,8 @@ class Profile(Section):
             what = "section" if uneven else "mass along its section"
             more = ", take a higher order," if count < NODES else ""
             return [
-                f"has a {what} that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`"
-                f"{more} or divide the beam"
+                f"has a {what} that is not smooth between its breaks: name the places where it jumps or bends sharply"
+                f" in `breaks`{more} or divide the beam"
             ]
         return []
 
@@ -251,14 +251,14 @@ def _function(function: Callable[..., Any]) -> Captured:
         found = function(place, length) if len(takes) == 2 else function(place)
         if not isinstance(found, Section) or isinstance(found, Profile):
             raise ModelError(
-                f"The function of a Profile must give a section such as Rectangle(..), not {shown(found)}."
+                f"The function of a Profile must return a section such as Rectangle(..), not {shown(found)}."
             )
-        check_real("The section that the function of a Profile gives", found, ModelError)
+        check_real("The section that the function of a Profile returns", found, ModelError)
         for leaf in jax.tree.leaves(found):
             if jnp.shape(leaf):
                 raise ModelError(
-                    f"The function of a Profile gives a section with an entry of shape {jnp.shape(leaf)}, but each must"
-                    " be one number at a place."
+                    f"The function of a Profile returns a section with an entry of shape {jnp.shape(leaf)}, but each"
+                    " must be one number at a place."
                 )
         return found
 

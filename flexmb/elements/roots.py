@@ -73,7 +73,7 @@ def root_stiffness(section: Section, material: Material, thickness: Scalar) -> F
     nu = material.poisson()
     share, per_width = own.thickness / thickness, (1 - nu**2) / (material.E * own.width)
     if not holds(share < 1):
-        raise ModelError("A leaf spring has its root in a block that is thicker than itself.")
+        raise ModelError("The block at the root must be thicker than the leaf spring.")
     along = STRETCHED * spread(share) * per_width
     across = spread(share) / (2 * material.G * own.width)
     bent = HALF_PLANE / np.pi * per_width / own.thickness**2

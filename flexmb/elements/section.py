@@ -112,7 +112,7 @@ class Section(Record):
         Source:
             :mod:`flexmb.elements.surface`.
         """
-        raise ModelError(f"A section of kind {type(self).__name__} has no shape, and so no stress.")
+        raise ModelError(f"A section of kind {type(self).__name__} has no shape, and therefore no stress.")
 
     @property
     def has_shape(self) -> bool:

@@ -485,7 +485,8 @@ def notch_elliptic(
     depth = _depth(width, height, neck, along=along, across=across)
     if is_concrete((depth, across)) and across < depth:
         raise ModelError(
-            f"A notch with a depth of {depth:g} = (height - neck)/2 needs an ellipse as deep, not {across:g}."
+            f"A notch with a depth of {depth:g} = (height - neck)/2 needs `across` of at least this depth, not"
+            f" {across:g}."
         )
     # Impossible sizes become NaN. A beam with this section raises an error that names it.
     cut = along * jnp.sqrt(jnp.where((depth > 0) & (depth <= across), depth * (2 * across - depth), jnp.nan)) / across

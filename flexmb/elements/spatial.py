@@ -286,7 +286,7 @@ def _check_warping(*, ref, section=None, y=None, clamped: tuple[bool, bool] | bo
     s = section.rigidity()
     if holds((as_floats(s.GIt) <= 0) | (as_floats(s.EIw) > 0)):
         return []
-    return ["has a section without warping rigidity EIw, so that nothing resists its warping: give EIw, or take a beam"]
+    return ["has a section without warping rigidity EIw, so that nothing resists its warping: give EIw, or use a beam"]
 
 
 warping_beam = Element(

@@ -172,7 +172,10 @@ def _told(plant: Plant) -> str:
     if plant.source:
         return "Nonlinear mechanism"
     if plant.times is not None:
-        return "Mechanism along a motion, linear and time-varying: inputs and outputs are whole, states deviations"
+        return (
+            "Mechanism along a motion, linear and time-varying: inputs and outputs are total values, states are"
+            " deviations"
+        )
     return "Linear mechanism: all but absolute positions are deviations from the linearised state"
 
 

@@ -132,7 +132,7 @@ def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Pl
     found, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
     labels = model.labels
     if not labels.inputs or not labels.outputs:
-        raise ModelError("The model lacks inputs or outputs. Name them with input() and output().")
+        raise ModelError("The model has no inputs or no outputs. Name them with input() and output().")
     if np.ndim(found.A) > 2:
         raise ModelError(
             f"This linearisation is along a motion, at {len(found.A)} times. Give lin.at_time(0), or the time-varying"
@@ -216,11 +216,11 @@ def time_varying(system: TimeVarying, substep: float | None) -> Plant:
 
 def _checked(plant: Plant) -> Plant:
     if not plant.inputs or not plant.outputs or not plant.states:
-        raise ValueError("The system lacks inputs, outputs or states. An FMU needs at least one of each.")
+        raise ValueError("The system has no inputs, no outputs or no states. An FMU needs at least one of each.")
     for name, m in plant.matrices.items():
         if not np.all(np.isfinite(m)):
             place = ", ".join(str(i + 1) for i in np.argwhere(~np.isfinite(m))[0][m.shape[0] == 1 :])
-            raise ValueError(f"{name}[{place}] is no finite number. An FMU would compute nothing.")
+            raise ValueError(f"{name}[{place}] is no finite number. The FMU would return no finite results.")
     kept = {name: m for name, m in plant.matrices.items() if name != "D" or np.any(m)}
     return plant._replace(matrices=kept)
 

@@ -211,10 +211,12 @@ def save_fmu(
         if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
             raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")
         if start is None and system.parameters.start is None:
-            warn_of_stressed_start(system, "Give values of states, `start`, or start values of the builder.")
+            warn_of_stressed_start(
+                system, "Give values of states by `start`, or give start values in the builder, not both."
+            )
         plant = plants.nonlinear(system, loads, motion)
     elif loads is not None or motion is not None:
-        raise ValueError("`loads` and `motion` are for a nonlinear plant: say nonlinear=True.")
+        raise ValueError("`loads` and `motion` are for a nonlinear plant: give nonlinear=True.")
     else:
         plant = _plant_of(system, modes, bandwidth, substep)
     plant = plants.measured(plant, units)
@@ -230,7 +232,7 @@ def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) ->
     if not of_mechanism and (modes is not None or bandwidth is not None):
         raise ValueError("`modes` and `bandwidth` are for a Model or a Linearization: reduce other systems beforehand.")
     if not varies and substep is not None:
-        raise ValueError("`substep` is for a time-varying system: others are integrated without.")
+        raise ValueError("`substep` is for a time-varying system: leave it out for other systems.")
     if isinstance(system, Model | Linearization):
         return plants.of_mechanism(system, modes, bandwidth)
     if isinstance(system, TimeVarying):
@@ -273,8 +275,8 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
     else:
         binary = None
         warn(
-            f"The FMU '{title}' holds its sources alone, since {why}. Simulink compiles them; other importers want what"
-            " they compile to: export it where there is a C compiler."
+            f"The FMU '{title}' contains only its sources, since {why}. Simulink compiles them; other importers need"
+            " the compiled library: export the FMU on a machine with a C compiler."
         )
     parameters = tuple(one.variable for one in found if one.kind == "parameter")
     return _packed(files), binary, parameters

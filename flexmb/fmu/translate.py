@@ -255,6 +255,6 @@ def _check_type(equation: Equation, atom: Atom) -> None:
     if kind.kind in "fiub" and (kind.kind != "f" or kind.itemsize == 8) and kind != np.uint64:
         return
     raise ModelError(
-        f"The operation `{equation.name}`{origin_of(equation.origin)} gives numbers of type {kind}: in C stand float64,"
-        " integers and truth values only."
+        f"The operation `{equation.name}`{origin_of(equation.origin)} returns numbers of type {kind}: C code has only"
+        " float64, integers and truth values."
     )

@@ -60,7 +60,7 @@ class Comparison(Result):
         smaller = "" if a == b else f" The model of {min(a, b)} degrees of freedom is enough."
         if not self.told_apart:
             hidden = self.worst[1] <= HIDDEN
-            means = "less than half of their scatter" if hidden else "too little against their scatter"
+            means = "less than half of their scatter" if hidden else "less than their scatter can show"
             return f"The data do not tell the models apart: the models differ by {means}.{smaller}"
         if np.any(np.isnan(self.chi_squared)):
             return "Such data tell the models apart."
@@ -123,7 +123,7 @@ def compare(
     items, has_values = _items(data)
     for item in items:
         if item.scatter is None:
-            raise ValueError(f"Measurement '{item.name}' has no deviation, which models are compared with.")
+            raise ValueError(f"Measurement '{item.name}' has no deviation. A comparison of models needs it.")
         for name in item.parameters:
             if name not in (parameters or {}):
                 raise ValueError(f"Measurement '{item.name}' takes the parameter '{clean(name)}': give its value.")
@@ -134,7 +134,7 @@ def compare(
     for answers, model in zip(computed, (model_a, model_b), strict=True):
         for item in items:
             if not np.all(np.isfinite(answers[item.name])):
-                raise ValueError(f"Measurement '{item.name}' has no finite value by one of the models.")
+                raise ValueError(f"Measurement '{item.name}' has no finite value in one of the models.")
             if has_values:
                 check_unit(item, answers[item.name])
             if item.check is not None:

@@ -93,7 +93,7 @@ def fit(
     count, wanted = sum(len(item.values) for item in items) + len(known), len(first)
     if count < wanted:
         raise ValueError(
-            f"{wanted} parameters cannot follow from {count} values and priors: measure more, add priors, or fix"
+            f"{wanted} parameters cannot be fitted to {count} values and priors: measure more, add priors, or fix"
             " parameters in `build`."
         )
     problem = FitProblem(
@@ -247,11 +247,15 @@ def _outcome(
     others = f"; {len(minima)} different minima from {starts} starts" if len(minima) > 1 else ""
     if probability < IMPLAUSIBLE:
         why = "another start may fit better (starts)" if starts == 1 else f"the best of {starts} starts"
-        chance = f"by scatter alone chi-squared is as large with a probability of {probability:.1g}"
+        chance = f"scatter alone causes such a chi-squared with a probability of {probability:.1g}"
         return RESULTS.poor_fit, f"{chance}; {why}"
     if freedom < 1:
-        return RESULTS.successful, "there are as many values as parameters, so that nothing tests the model" + others
-    text = "the values are met within their scatter" if np.isfinite(probability) else "least squares converged"
+        return RESULTS.successful, "there are as many values as parameters, so the data do not test the model" + others
+    text = (
+        "the model agrees with the values within their scatter"
+        if np.isfinite(probability)
+        else "least squares converged"
+    )
     return RESULTS.successful, text + others
 
 
@@ -261,7 +265,7 @@ def _warn(found: Fit) -> None:
     others = [values for values, cost in found.minima[1:] if cost - found.minima[0][1] < AS_GOOD * found.noise**2]
     if others and not found.undetermined:
         listed = "; ".join(", ".join(f"{name} = {value}" for name, value in values.items()) for values in others[:3])
-        warn(f"Other parameters fit as well: {listed}. Measure something else, or narrow the bounds.")
+        warn(f"Other parameters fit equally well: {listed}. Measure another quantity, or narrow the bounds.")
     if found.problem.function(found.unit)[2] == RESULTS.unstable_state:
         warn("The fitted equilibrium is not stable: its stiffness is negative in some motion.")
     for item in found.data:
@@ -275,7 +279,7 @@ def _warn(found: Fit) -> None:
         named = f" Furthest, in standard deviations: {', '.join(far)}." if far else ""
         warn(f"The model does not fit the data: {found.reason}.{named} The intervals hold for a model that fits.")
     if found.active:
-        warn(f"The fit is at a bound: {', '.join(found.active)}. The scatter of the parameters does not count it.")
+        warn(f"The fit is at a bound: {', '.join(found.active)}. The standard deviations neglect the bound.")
     if found.undetermined:
         texts = "; ".join(str(combination) for combination in found.undetermined)
-        warn(f"The data do not determine {texts}. Measure something else, add a prior, or fix a parameter.")
+        warn(f"The data do not determine {texts}. Measure another quantity, add a prior, or fix a parameter.")

@@ -68,7 +68,7 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
     with reader.named():
         reader.check_tables("model", "data")
         if reader.data.get("choices"):
-            raise StudyError("[choices]: a fit has none. Give one value of each as a parameter.")
+            raise StudyError("[choices]: a fit has no choices. Give one value of each as a parameter.")
         parameters = reader.parameters()
         free = {name: given for name, given in parameters.items() if "lower" in given}
         if not free:
@@ -189,6 +189,6 @@ def fit_arrays(found: Fit) -> dict[str, np.ndarray]:
     arrays = {}
     for name, value in named:
         if name in arrays or name == "about":
-            raise StudyError(f"'{clean(name)}' is a name that --save gives to something else: choose another.")
+            raise StudyError(f"'{clean(name)}' is a name that --save uses for another array: choose another name.")
         arrays[name] = np.asarray(value)
     return arrays

@@ -244,7 +244,7 @@ class Fit(Result):
             No-U-turn sampler: Hoffman, Gelman 2014 (numpyro).
         """
         if self.problem.loss != "linear":
-            raise ValueError(f"The loss '{self.problem.loss}' belongs to no distribution. Fit with loss='linear'.")
+            raise ValueError(f"The loss '{self.problem.loss}' corresponds to no distribution. Fit with loss='linear'.")
         for name, value, least in (
             ("count", count, 4),
             ("warmup", warmup, 1),

@@ -215,8 +215,8 @@ def measurements(data: Any) -> list[Measured]:
     unknown = [item.name for item in items if item.scatter is None]
     if unknown and len(items) > 1:
         raise ValueError(
-            f"Measurement '{unknown[0]}' has no deviation. With several measurements each needs one, since it is the"
-            " weight of the values."
+            f"Measurement '{unknown[0]}' has no deviation. With several measurements each needs a deviation, which is"
+            " the weight of its values."
         )
     return items
 

@@ -81,12 +81,12 @@ def measured_modes(
 
         return measured(answer_by_number, found, deviation, name=name, over=which, label="mode")
     if numbers_of_modes is not None:
-        raise ValueError(f"Measurement '{name}' has shapes, which find the modes: leave out `numbers_of_modes`.")
+        raise ValueError(f"Measurement '{name}' has shapes, which select the modes: leave out `numbers_of_modes`.")
     matrix = numbers(f"Measurement '{name}': shapes", shapes)
     if matrix.shape != (len(at), count) or not np.all(np.isfinite(matrix)):
         raise ValueError(
-            f"Measurement '{name}' has {count} frequencies and {len(at)} sensors, but shapes of {matrix.shape}:"
-            " give finite numbers, one row a sensor and one column a mode."
+            f"Measurement '{name}' has {count} frequencies and {len(at)} sensors, but shapes of {matrix.shape}: give"
+            " finite numbers, one row per sensor and one column per mode."
         )
     among = check_whole("among", among, count) if among is not None else 2 * count
 

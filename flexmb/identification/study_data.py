@@ -110,7 +110,7 @@ def _measurement(key: str, about: str, folder: Path, name: str, given: Any) -> M
     if "file" in entry:
         _fill(key, folder, entry, columns, from_universal=kind == "response")
     elif "columns" in entry:
-        raise StudyError(f"{key}: columns are of a file. Give file, or leave columns out.")
+        raise StudyError(f"{key}: columns belong to a file. Give file, or leave columns out.")
     with _named(key):
         if kind == "response":
             return _response(key, name, entry)
@@ -171,7 +171,9 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
             raise StudyError(f"{key} has real and imaginary parts, and magnitude and phase: give one pair.")
         size, angle = (_needed(key, entry, part) for part in ("magnitude", "phase"))
         if np.any(size < 0):
-            raise StudyError(f"{key}: a magnitude is {np.min(size):g}, but cannot be negative. It is no level in dB.")
+            raise StudyError(
+                f"{key}: a magnitude is {np.min(size):g}, but cannot be negative. Convert levels in dB to magnitudes."
+            )
         values = size * np.exp(1j * angle)
     else:
         real, imaginary = (_needed(key, entry, part) for part in ("real", "imaginary"))

@@ -39,13 +39,13 @@ class Where(NamedTuple):
         """Raise ValueError for arguments that exclude each other; `given`: a linearisation replaces the model."""
         for name, value in (("step", self.step), ("time", self.time)):
             if value is not None and not isinstance(self.at, ManyStates):
-                raise ValueError(f"Argument `{name}` of fm.{function} goes with at=, a path or a motion.")
+                raise ValueError(f"Argument `{name}` of fm.{function} needs at=, a path or a motion.")
         stated = "at=" if self.at is not None else "a linearisation" if given else ""
         if self.increment is not None and stated:
             raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
         if given and self.at is not None:
             raise ValueError(
-                f"fm.{function} is given a linearisation and `at`. Give the model and `at`, or the linearisation alone."
+                f"fm.{function} got a linearisation and `at`. Give the model and `at`, or only the linearisation."
             )
 
     def state(self, model: Model, function: str) -> Linearization:
@@ -86,7 +86,9 @@ def check_state(at: Any, model: Model, function: str) -> None:
         return
     labels = model.labels
     if (at.labels.x, at.labels.elements) != (labels.x, labels.elements):
-        raise ValueError(f"Argument `at` of fm.{function} is of another model: its nodes or elements have other names.")
+        raise ValueError(
+            f"Argument `at` of fm.{function} belongs to another model: its nodes or elements have other names."
+        )
     if of_state is None:
         return
     numbers = [(each.parameters.reference, each.parameters.properties) for each in (of_state, model)]
@@ -96,8 +98,8 @@ def check_state(at: Any, model: Model, function: str) -> None:
     pairs = [(a, b) for (path, a), (_, b) in zip(ours, wanted, strict=False) if not BEARS.intersection(map(_key, path))]
     if shape != wanted_shape or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
         raise ValueError(
-            f"Argument `at` of fm.{function} is of a model with other dimensions. Give that model, or a state of this"
-            " model."
+            f"Argument `at` of fm.{function} belongs to a model with other dimensions. Give that model, or a state of"
+            " this model."
         )
 
 
@@ -168,7 +170,7 @@ def by_elements(
     of_path = isinstance(at, ManyStates) and at.by_sparse
     if of_path or any(isinstance(each, Linearization) and each.large for each in (at, given)):
         if solver == DENSE:
-            raise ValueError(f"fm.{function} is given a sparse linearisation, which sparse=False does not go with.")
+            raise ValueError(f"fm.{function} got a sparse linearisation, which contradicts sparse=False.")
         where.refuse(function, given=is_linearized)
         about: Any = given if at is None else where.state(as_model(given, function), function)
         if solver in (None, about.solver):

@@ -284,10 +284,10 @@ def _warn_of_moving(multiplier: Array, moved: Array, all_scaled: bool) -> None:
         )
     elif np.isfinite(lowest) and all_scaled and float(moved) > BENT_BY_LOADS:
         warn(
-            f"With factor one, these loads move the mechanism by {float(moved):.2g} of its extent, or radians. Load"
-            f" multipliers are about this state: the lowest, {lowest:.4g} in size, depends on the size of the loads,"
-            " unless it is one. Give the loads increment=True for multipliers about the mechanism without them, or"
-            " follow the path (fm.path, mode 10)."
+            f"At load factor 1, these loads move the mechanism by {float(moved):.2g} of its extent, or radians. Load"
+            f" multipliers refer to this state: the lowest, {lowest:.4g} in size, depends on the size of the loads,"
+            " unless it is 1. For multipliers about the unloaded mechanism, give the loads increment=True, or follow"
+            " the path (fm.path, mode 10)."
         )
 
 
@@ -301,7 +301,7 @@ def _asked(model: Model, function: str, throw: bool, where: Where):
     check_stiffness(model, result, throw)
     if is_concrete(hidden) and hidden:
         warn(
-            "Loads that follow, moments about fixed axes or laws without a potential act here. The load multipliers of"
+            "Follower loads, moments about fixed axes or laws without a potential act here. The load multipliers of"
             " smallest size are complex: before it buckles the mechanism may flutter, and load multipliers do not show"
             " flutter. Compute the poles under these loads (fm.poles, mode 7), or a path (fm.path, mode 10)."
         )

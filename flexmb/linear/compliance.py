@@ -84,7 +84,7 @@ def compliance(
     labels = lin.labels
     parts = labels.parts(node)
     if local and not any(labels.x[labels.coordinates(part)[0]].kind == "rotation" for part in parts):
-        raise ValueError(f"Node '{node}' has no rotation: no axes turn with it. Leave `local` out.")
+        raise ValueError(f"Node '{node}' has no rotation, so it has no local axes. Leave `local` out.")
     places = tuple(np.array(labels.coordinates(part)) for part in parts)
     displacements = sum(labels.x[place[0]].kind != "rotation" for place in places for _ in place)
     if lin.large:
@@ -119,8 +119,8 @@ def _warn_of_instability(flexibility: Float[Array, "n n"], node: str, displaceme
     if symmetric and np.min(np.linalg.eigvalsh(scaled), initial=0.0) < -NEGATIVE_WORK:
         collect(RESULTS.unstable_state)
         warn(
-            f"Forces on node '{node}' do negative work: the state is not stable, and has negative or imaginary"
-            " frequencies. Follow the path to a stable state by fm.path, or lower the load."
+            f"The state is not stable: forces on node '{node}' do negative work, and frequencies are negative or"
+            " imaginary. Follow the path to a stable state by fm.path, or lower the load."
         )
 
 
@@ -132,8 +132,8 @@ def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: An
         moving = named(known[0].model, np.asarray(m.DFx) @ free)
         raise AnalysisError(
             "singular_stiffness",
-            f"The compliance of node '{node}' is unbounded: it takes part in a motion that meets no stiffness:"
-            f" {moving}. Support or stiffen that motion.",
+            f"The compliance of node '{node}' is unbounded: it takes part in a motion without stiffness: {moving}."
+            " Support or stiffen that motion.",
         )
     if is_concrete(lin):
         return jnp.asarray(at @ flexibility @ at.T)
@@ -228,7 +228,7 @@ def directional_compliance(
     x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
     flexibility, free, _ = free_motions(lin.matrices)
     if free.shape[1]:
-        warn(f"The compliance is unbounded in motions that meet no stiffness: {named(lin.model, dfx @ free)}.")
+        warn(f"The compliance is unbounded in motions without stiffness: {named(lin.model, dfx @ free)}.")
     by_node = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
         indices = lin.labels.coordinates(node)

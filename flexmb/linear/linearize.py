@@ -458,9 +458,8 @@ def linearized_about(model: Model, at: Equilibrium, function: str, solver: Linea
     """
     if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
         raise TypeError(
-            f"Argument `at` of fm.{function} is an Equilibrium that is separate from its model and loads, as inside"
-            f" jax.jit and jax.grad, or after it was stored. Give fm.{function}(fm.linearize(model)), with the same"
-            " loads."
+            f"Argument `at` of fm.{function} is an Equilibrium without its model and loads, such as inside jax.jit and"
+            f" jax.grad, or after it was stored. Give fm.{function}(fm.linearize(model)), with the same loads."
         )
     check(at.result, True, f"Argument `at` of fm.{function} is this equilibrium, which was not found.")
     own, factors = at.asked_of, at.factors

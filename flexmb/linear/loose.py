@@ -125,7 +125,7 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     moving = named(lin.model, np.asarray(m.DFx) @ light)
     return (
         f"Here that is {moving}. It has no mass either. Give it a mass or an inertia (sections have rotary inertia"
-        " unless rotary=False), or hold it."
+        " unless rotary=False), or fix it."
     )
 
 

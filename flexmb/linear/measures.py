@@ -186,12 +186,12 @@ def frequency_like(
         every = _shapes_in(model, shape, "frequency_like")
         if number is None or not check_whole("number", number, 0) < every.shape[1]:
             raise ValueError(
-                "Argument `number` of fm.linear.frequency_like must be that of one of the"
-                f" {every.shape[1]} modes, from 0, but is {shown(number)}."
+                f"Argument `number` of fm.linear.frequency_like must be the number of one of the {every.shape[1]}"
+                f" modes, from 0, but is {shown(number)}."
             )
         given = every[:, number]
     elif number is not None:
-        raise ValueError("Argument `number` of fm.linear.frequency_like goes with Modes, not with numbers.")
+        raise ValueError("Argument `number` of fm.linear.frequency_like needs Modes as `shape`, not numbers.")
     check_numbers("Argument `shape`", given)
     if np.shape(given) != (model.topology.n_q,):
         raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(given)}.")

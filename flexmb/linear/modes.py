@@ -108,8 +108,8 @@ def refuse_unsymmetric(symmetric: bool) -> None:
     """Raise NotImplementedError for frequencies of a stiffness without a potential."""
     if not symmetric:
         raise NotImplementedError(
-            "Loads or laws without a potential, such as moments about fixed axes in space, or the speed of a state of"
-            " motion make the stiffness unsymmetric. Frequencies may be complex. Use fm.poles instead."
+            "The stiffness is unsymmetric: because of loads or laws without a potential, such as moments about fixed"
+            " axes in space, or the velocity in a state of motion. Frequencies may be complex. Use fm.poles instead."
         )
 
 

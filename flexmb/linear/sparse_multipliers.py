@@ -96,7 +96,7 @@ def _refuse_negative(elastic: Pieces) -> None:
         values = np.linalg.eigvalsh(matrices)
         if np.any(values[:, 0] < -NEGATIVE_STIFFNESS * np.abs(values[:, -1])):
             raise ModelError(
-                "An element has a negative stiffness, which load multipliers by sparse factors exclude. Give"
+                "An element has a negative stiffness. Load multipliers by sparse factors do not allow this. Give"
                 " sparse=False and a model with degrees of freedom."
             )
 

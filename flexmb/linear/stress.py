@@ -320,8 +320,8 @@ def left_out_of_stress(model: Model) -> list[str]:
     left_out = without_shape(model)
     if left_out:
         text = (
-            f"The section of element {listed([repr(name) for name in left_out])} is given by its rigidities and has no"
-            " shape, and so no stress. Give its `outline`, or a section such as Rectangle, or use section_resultants."
+            f"The section of element {listed([repr(name) for name in left_out])} is given by its rigidities, without a"
+            " shape, and has no stress. Give its `outline`, or a section such as Rectangle, or use section_resultants."
         )
         if not has_stress(model):
             raise ModelError(text)

@@ -186,8 +186,8 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
         return _with_numbers(then, companion), properties
     if then is not None and _compiles() and then != digest(_taken(block, companion, function, properties)):
         raise ModelError(
-            f"Element type '{block.element.name}': a number that its {companion} refers to has changed since the model"
-            " was built. Build the model again, or make the number a property of the element."
+            f"Element type '{block.element.name}': its {companion} uses a number that has changed since the model was"
+            " built. Build the model again, or make the number a property of the element."
         )
     return function, properties
 

@@ -408,8 +408,8 @@ def as_determined(given: Any, function: str) -> Model:
     missing = x.dependent.shape[0] - sum(indices.shape[0] for indices in (e.fixed, e.prescribed, e.dof))
     if missing:
         raise ModelError(
-            f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model, built with check=False,"
-            f" do not determine it: {abs(missing)} {'more' if missing > 0 else 'fewer'} would. Build it with checks."
+            f"fm.{function}: the {model.topology.n_q} degrees of freedom of this model, built with check=False, do not"
+            f" determine it: {abs(missing)} {'more' if missing > 0 else 'fewer'} are needed. Build it with checks."
         )
     n, rows = model.topology.n_x, model.topology.n_e
     # Curvature, constraints of the DEPENDENT coordinates with factors, and Jacobian exist at the same time.

@@ -96,7 +96,7 @@ def _check_steps(topology: Topology, parameters: Parameters, labels: Any, size: 
         alike = one is other or (None not in (one, other) and is_concrete((one, other)) and float(one) == float(other))
         if not alike or any(stepped for _, stepped, _ in ends.values()):
             raise ModelError(
-                f"Leaf springs {' and '.join(map(repr, ends))} go on in line. A build finds the step between their"
+                f"Leaf springs {' and '.join(map(repr, ends))} are in line. Only build() finds a step between their"
                 f" sizes: build the model again with these numbers for 'section.{size}'."
             )
 

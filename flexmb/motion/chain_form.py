@@ -28,14 +28,14 @@ from .protocol import MotionState, by_time
 def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
     """Return a sentence on the first property of a mechanism that excludes this form, or None."""
     if is_nonlinear(topology):
-        return "an element states an energy, a dissipation or a law of its own"
+        return "an element has its own energy, dissipation or law"
     if topology.counts_turns:
         return "an element counts the turns of an angle"
     for block in topology.blocks:
         if block.element.force is not None:
             return f"'{block.element.name}' is a load that follows the motion"
         if "deformation" not in block.companions and not {"stiffness", "damping"}.isdisjoint(block.companions):
-            return f"stiffness and deformations of '{block.element.name}' are computed apart"
+            return f"stiffness and deformations of '{block.element.name}' are computed separately"
     if any(drive.quantity in MOMENTS for drive in driven):
         return "a moment in space depends on time"
     return None

@@ -111,7 +111,7 @@ CLOSING = 4
 def driven_by_inputs(form: CoordinatesForm, places: PortPlaces, u: Float[Array, "n_u"]) -> CoordinatesForm:
     """Equations of a mechanism under given inputs."""
     if u.shape != (places.inputs,):
-        raise ModelError(f"The controller gives shape {u.shape}, but the mechanism has {places.inputs} inputs.")
+        raise ModelError(f"The controller returns shape {u.shape}, but the mechanism has {places.inputs} inputs.")
     u = u if places.mix is None else places.mix @ u
     extra = []
     if places.forces.shape[1]:
@@ -250,7 +250,7 @@ class ControlledForm(Record):
         rate: Any = self.feedback.rate
         rates = jnp.atleast_1d(as_reals("The controller's rate", rate(t, states, y), ModelError))
         if rates.shape != states.shape:
-            raise ModelError(f"The controller's rate gives shape {rates.shape}, but it has {states.shape[0]} states.")
+            raise ModelError(f"The controller's rate returns shape {rates.shape}, but it has {states.shape[0]} states.")
         return rates
 
     def _driven(self, u: Float[Array, "n_u"]) -> CoordinatesForm:

@@ -131,5 +131,5 @@ def _for_each(value: Float[Array, "*k"], at: Int[Array, "i"]):
     if value.shape == () and at.shape == (1,):
         return value[None]
     if value.shape != at.shape:
-        raise ValueError(f"A function of time returns shape {value.shape}, but drives {at.shape[0]} numbers.")
+        raise ValueError(f"A function of time returns shape {value.shape}, but must return {at.shape[0]} numbers.")
     return value

@@ -143,8 +143,8 @@ def _check_acts(model: Model, what: str, kind: str, indices: list[int]) -> None:
     """Refuse a load on FIXED coordinates or deformations."""
     if is_concrete(model.topology) and set(indices) <= set(np.asarray(getattr(model.topology, kind).fixed).tolist()):
         raise ModelError(
-            f"{what} acts on something FIXED, where it moves nothing. Let it act on something that can move, or leave"
-            " it out."
+            f"{what} acts on a FIXED coordinate or deformation and has no effect. Let it act on one that can move, or"
+            " leave it out."
         )
 
 
@@ -160,8 +160,8 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
         if signal.name in inputs and moved is not None:
             owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
             raise ModelError(
-                f"Input '{signal.name}' is the {moved.quantity} of {owner}, which is held. Argument `inputs` accepts"
-                f" forces, moments and stresses. Call prescribe() for it in the builder, and give"
+                f"Input '{signal.name}' is the {moved.quantity} of {owner}, which is FIXED or PRESCRIBED. Argument"
+                " `inputs` accepts forces, moments and stresses. Call prescribe() for it in the builder, and give"
                 f" motion={{'{owner}': f}}."
             )
     if not inputs or not is_concrete(model):
@@ -170,7 +170,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
         locked = locked_inputs(model)
     for signal in locked:
         if signal.name in inputs:
-            raise ModelError(f"Input '{signal.name}' moves nothing, wherever the mechanism goes. Leave it out.")
+            raise ModelError(f"Input '{signal.name}' moves nothing, in any position of the mechanism. Leave it out.")
 
 
 def _input(signal: Signal, value: Any, weight: Any) -> Driven:
@@ -270,7 +270,7 @@ def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Ca
     if shape != (size,) and not ((size == 1 or one_for_all) and shape == ()):
         wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
         wanted = f"one number, or {size}, one for each end" if one_for_all else wanted
-        raise ModelError(f"{what} must give {wanted}, but gives shape {shape}.")
+        raise ModelError(f"{what} must return {wanted}, but returns shape {shape}.")
     return function
 
 

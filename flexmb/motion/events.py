@@ -100,7 +100,7 @@ def check_at_start(event: diffrax.Event, values: Sequence[Any], soon: Sequence[A
         elif value.dtype != bool and way is not False and np.any((value == 0) & (later > 0 if way else later != 0)):
             warn(
                 "The condition of `event` is zero at the start and leaves zero at once. This ends the motion. Give"
-                " `direction` to diffrax.Event, False to end where the condition falls, or begin elsewhere."
+                " `direction` to diffrax.Event (False ends the motion where the condition falls), or begin elsewhere."
             )
 
 

@@ -41,8 +41,8 @@ def check_form(integrator: Integrator, controlled: bool) -> None:
         raise ValueError('EnergyKeeping() needs form="coordinates" and no controller. Use GeneralizedAlpha().')
     if form == "reduced" and _is_explicit(integrator.solver):
         raise ValueError(
-            'form="reduced" does not take explicit solvers: Newton\'s method in each of their stages is some hundred'
-            " times slower than the default. Leave `solver` out, or `form`."
+            'form="reduced" does not take explicit solvers: each of their stages needs Newton\'s method, which is'
+            " about a hundred times slower than the default. Leave `solver` out, or `form`."
         )
     if integrator.event is not None and form == "tree":
         raise ValueError('An event reads the state of all coordinates. It needs form="coordinates".')

@@ -37,9 +37,8 @@ def warn_of_full_turns(motion: Motion, whence: Any) -> None:
     jumping = [f"'{name}'" for name, parts in asked.items() if any(_jumps(t, x, xd, whence, part) for part in parts)]
     if jumping:
         warn(
-            f"Output {among(jumping)} passes a full turn along this motion. A rotation about an axis in space is known"
-            " within one turn to either side: beyond, the output jumps. Measure a hinge, whose angle is counted past"
-            " full turns: output('hinge', 1)."
+            f"Output {among(jumping)} passes a full turn in this motion. A measured rotation in space jumps there."
+            " Measure a hinge instead, whose angle counts past full turns: output('hinge', 1)."
         )
 
 

@@ -117,7 +117,7 @@ def steady_motion(
     as_model(model, "steady_motion")
     check_number("time", time)
     if not motion:
-        raise ModelError("A steady motion needs something that moves. Name it in `motion`.")
+        raise ModelError("A steady motion needs a prescribed motion. Name it in `motion`.")
     driven = driven_by(model, Drives(motion=motion))
     numbers = model.topology, model.parameters, driven
     linearization = Linearization(_steady(*numbers, jnp.asarray(time, float)), model)
@@ -162,8 +162,8 @@ def _warn_of_change(numbers: tuple[Any, ...], matrices: Matrices, time: float) -
     )
     if int(later.result) != RESULTS.successful or change > STEADY_EQUATIONS:
         warn(
-            "These degrees of freedom do not rest in this motion: the linearised equations change by"
-            f" {change:.2g} of their largest entries after {ONWARDS:g} rad or extents. Poles of one instant are"
-            " meaningless. Choose degrees of freedom that turn with anisotropic parts, or use the equations along the"
-            " motion: fm.motion.linearize_motion(fm.simulate(..))."
+            f"The degrees of freedom are not constant in this motion: after {ONWARDS:g} rad or extents, the linearised"
+            f" equations change by {change:.2g} of their largest entries. Poles at one instant are meaningless. Choose"
+            " degrees of freedom that turn with anisotropic parts, or use the equations along the motion:"
+            " fm.motion.linearize_motion(fm.simulate(..))."
         )

@@ -69,8 +69,9 @@ def check_signals(model: Model, needs: str) -> None:
             owner = (model.labels.e if moved.of_element else model.labels.x)[moved.index]
             raise ModelError(
                 f"{needs} needs inputs that are forces, moments or stresses, but input '{signal.name}' is the"
-                f" {moved.quantity} of something held, {owner}. Leave it out, and prescribe the motion as a function of"
-                f" time: prescribe() and motion={{'{owner}': f}}. Or let a force act on a heavy support that can move."
+                f" {moved.quantity} of {owner}, which is FIXED or PRESCRIBED. Leave it out, and prescribe the motion as"
+                f" a function of time: prescribe() and motion={{'{owner}': f}}. Or let a force act on a heavy support"
+                " that can move."
             )
     if is_concrete(model):
         # Also within a trace of other numbers, such as a gain.
@@ -78,8 +79,8 @@ def check_signals(model: Model, needs: str) -> None:
             locked = locked_inputs(model)
         for signal in locked:
             raise ModelError(
-                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, wherever the mechanism goes. Let it act on"
-                " something that can move, or leave it out."
+                f"Input '{signal.name}' (a {signal.quantity}) moves nothing, in any position of the mechanism. Let it"
+                " act on a coordinate that can move, or leave it out."
             )
 
 
@@ -117,7 +118,7 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
     if isinstance(controller, Sampled):
         _check_sampled(controller, len(inputs), len(outputs))
     elif (controller.rate is None) != (controller.start is None):
-        raise ModelError("A Feedback has a `rate` and a `start` of its state, or neither.")
+        raise ModelError("A Feedback needs both `rate` and `start` of its states, or neither.")
     return _now(controller, len(outputs))
 
 
@@ -154,7 +155,7 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
         raise ModelError(f"The step of the sampled controller returns a state {shapes[1]}, but starts at {shapes[0]}.")
     u = jax.tree.map(jnp.shape, given[0])
     if u != (inputs,) and not (u == () and inputs == 1):
-        raise ModelError(f"The controller gives shape {u}, but the mechanism has {inputs} inputs.")
+        raise ModelError(f"The controller returns shape {u}, but the mechanism has {inputs} inputs.")
 
 
 def _nothing(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):

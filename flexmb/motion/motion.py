@@ -275,7 +275,7 @@ class Observed(ByName, Result, Record):
             rows[name] = largest(extreme, names, unit)
         for name in ("kinetic", "elastic", "potential"):
             rows[f"{name} energy"] = span(getattr(self, name), "J")
-        return Summary("Observed: what follows from a motion", rows)
+        return Summary("Observed: quantities that follow from a motion", rows)
 
     @property
     def energy(self) -> Float[Array, "n_t"]:

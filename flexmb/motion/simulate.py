@@ -226,9 +226,7 @@ def _records(
     )
     if given:
         known = ", ".join(Keywords.__annotations__)
-        raise TypeError(
-            f"fm.simulate has no keyword `{next(iter(given))}`. Beside its own arguments there are: {known}."
-        )
+        raise TypeError(f"fm.simulate has no keyword `{next(iter(given))}`. Further keywords are: {known}.")
     return records
 
 
@@ -413,7 +411,7 @@ def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, st
     outputs = ", ".join(f"{s.name} = {v:.6g}" for s, v in zip(found.model.labels.outputs, y, strict=False))
     raise AnalysisError(
         "not_finite",
-        f"The controller gives a number that is not finite {what} at t = {t:.6g} s. The outputs there are {outputs}."
+        f"The controller returns a number that is not finite {what} at t = {t:.6g} s. The outputs there are {outputs}."
         " A controller must return finite numbers for all outputs and times.",
     )
 
@@ -477,7 +475,9 @@ def _initial(model: Model, initial: Any):
             f"Argument `initial` must be an Equilibrium, a Configuration or a Motion, not {shown(initial)}."
         )
     if initial.labels.x != model.labels.x:
-        raise ModelError("Argument `initial` is a state of another model: its nodes are not those of this model.")
+        raise ModelError(
+            "Argument `initial` is a state of another model: its nodes differ from the nodes of this model."
+        )
     if isinstance(initial, Motion):
         if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x)[-1])):
             raise ModelError("Argument `initial` is a motion that did not reach its end. Give motion.until(count).")

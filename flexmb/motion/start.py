@@ -62,9 +62,9 @@ def warn_of_found(motion: Motion, given: Start) -> None:
     elsewhere = np.any(np.abs(np.asarray(motion.x)[0] - given.x) > MOVED_START * size)
     if elsewhere or np.any(np.abs(rates[0] - given.xd / size) > MOVED_START * fastest):
         warn(
-            "Driven coordinates move the mechanism, or give it a speed, at the first time. Degrees of freedom and"
-            f" their rates keep their values. These were found, not named: {among(model.labels.found)}. Other degrees"
-            " of freedom would begin another motion. Name the intended ones by dof()."
+            "Driven coordinates move the mechanism, or give it a velocity, at the first time. The degrees of freedom"
+            f" and their rates keep their values. flexmb chose these degrees of freedom: {among(model.labels.found)}."
+            " Others would start another motion. Name the intended degrees of freedom by dof()."
         )
 
 

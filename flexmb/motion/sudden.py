@@ -44,8 +44,9 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = Fal
         edges = np.union1d(edges, at_change[(at_change > 0) & (at_change < PARTS)])
         if len(at_change) and not named and not is_concrete(f) and (at := _jump(values)) is not None:
             warn(
-                f"A function of time jumps at t = {short(times[at])} s, and its numbers are differentiated. The"
-                " derivative by the time of the jump is zero. To differentiate by this time, name it: jumps=[t1]."
+                f"A function of time jumps at t = {short(times[at])} s, and you differentiate by its numbers. The"
+                " derivative by the time of the jump is computed as zero. To differentiate by this time, name it:"
+                " jumps=[t1]."
             )
     if not len(edges):
         return None

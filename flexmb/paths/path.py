@@ -415,9 +415,9 @@ def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
     """Advice for a path whose switched branch leads nowhere."""
     size = short(SMALL_IMPERFECTION * float(extent_of(found.model.topology, found.model.parameters)))
     return (
-        f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] in place of"
-        " `switch`: the path then turns onto the branch, and off it again, without a bifurcation. Or leave the branch"
-        f" at the next bifurcation: switch={asked | {max(asked) + 1: 1}}."
+        f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] instead of"
+        " `switch`: the path then joins the branch and leaves it again without a bifurcation. Or leave the branch at"
+        f" the next bifurcation: switch={asked | {max(asked) + 1: 1}}."
     )
 
 
@@ -433,7 +433,7 @@ def _switches(switch: Any) -> dict[int, int]:
         return {int(number): int(side) for number, side in switch.items()}
     if switch not in (False, True, -1):
         raise ValueError(
-            f"Argument `switch` must be False, True, 1 or -1, or such numbers by bifurcation, as {{2: -1}}, but is"
+            "Argument `switch` must be False, True, 1 or -1, or such numbers by bifurcation, such as {2: -1}, but is"
             f" {shown(switch)}."
         )
     return {1: int(switch)} if switch else {}

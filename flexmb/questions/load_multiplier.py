@@ -16,10 +16,10 @@ def _multiplier(state: Any, rest: str) -> Any:
         model = state if isinstance(state, Model) else state.model
         return numbered(buckling_loads(model, increment=0.0 if raised else None), "multiplier", rest)
     if state.states().kind != "path":
-        raise KeyError("load multipliers are asked of a path, not of a motion")
+        raise KeyError("a motion has no load multipliers, only a path")
     if state.by_sparse:
         raise KeyError(
-            "a path by sparse matrices has no load multipliers of all states: ask about one, as"
+            "a path by sparse matrices has no load multipliers of all states: ask for one state, such as"
             " fm.buckling_loads(model, count=1, at=path, step=-1)"
         )
     return finite_or_nan(numbered(np.asarray(state.multipliers), "multiplier", rest))

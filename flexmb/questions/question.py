@@ -134,7 +134,7 @@ def asked(text: str) -> Asked:
     """
     found = Asked(text)
     if found.question.only:
-        raise ValueError(f"'{text}' is asked of a {found.question.only}, not of one state.")
+        raise ValueError(f"'{text}' is a question for a {found.question.only}, not for one state.")
     return found
 
 

@@ -60,17 +60,17 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     if turned:
         advice = "Use spectral beams" if turned.keys() & stretched.keys() else "Use more beams, or spectral ones"
         warn(
-            f"{_named(turned)}: an end turns by up to {max(turned.values()):.2g} rad from the chord, or from the other"
-            f" end about it. Beyond {COARSE_ANGLE} rad one beam is off by 3 % or more if twisted, and by 5 % if bent."
-            f" {advice}.",
+            f"{_named(turned)}: an end turns by up to {max(turned.values()):.2g} rad from the chord, or about the chord"
+            f" from the other end. Beyond {COARSE_ANGLE} rad the error of one beam is 3 % or more if twisted, and 5 %"
+            f" if bent. {advice}.",
             CoarseWarning,
         )
     if stretched:
         largest = max(stretched.values())
         warn(
-            f"{_named(stretched)}: the strain along the beam reaches {largest:.2g}. Cubic beams bend there with"
-            f" EI (1 + strain)^2 in place of EI, which is off by about {2 * largest:.0%}, however many they are. Use"
-            " spectral beams.",
+            f"{_named(stretched)}: the strain along the beam reaches {largest:.2g}. Cubic beams bend with EI (1 +"
+            f" strain)^2 instead of EI: an error of about {2 * largest:.0%}, for any number of beams. Use spectral"
+            " beams.",
             CoarseWarning,
         )
 
@@ -101,9 +101,9 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
             bent[str(model.labels.e[numbers[i, 0]].of)] = float(u[i])
     if bent:
         warn(
-            f"{_named(bent)}: bent far for its width, u = {max(bent.values()):.3g}. Up to {WIDEST_BENT:g} the stiffness"
-            " of a bent leaf spring that is bent sideways too is compared with solid elements. Make it narrower or"
-            " thicker, or compare it yourself.",
+            f"{_named(bent)}: bent far for its width, u = {max(bent.values()):.3g}. Sideways stiffness of a bent leaf"
+            f" spring was compared with solid elements up to u = {WIDEST_BENT:g}. Make it narrower or thicker, or"
+            " compare it yourself.",
             CoarseWarning,
         )
 
@@ -167,7 +167,7 @@ def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: st
         energy, least, names = needless
         warn(
             f"{where} elements store {short(energy)} J, but {short(least)} J would suffice: degrees of freedom that are"
-            f" zero there, such as {listed(names)}, make others stretch. {remedy}"
+            f" zero at the start, such as {listed(names)}, stretch other elements. {remedy}"
         )
 
 
@@ -176,6 +176,6 @@ def warn_of_stressed_start(model: Model, remedy: str) -> None:
     strain = model.parameters.strain
     if strain is not None and is_concrete(strain) and np.any(np.asarray(strain)):
         warn(
-            "The motion starts where the nodes were placed. There, elements are stressed that are free of stress in"
-            f" another shape (strain, imperfection). {remedy}"
+            "The motion starts from the positions of the nodes. Elements with a strain or an imperfection are stressed"
+            f" there. {remedy}"
         )

@@ -182,8 +182,8 @@ def warn_of_increment(model: Model, function: str) -> None:
     if model.parameters.increment is not None and is_concrete(model):
         usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this state"
         warn(
-            f"fm.{function} leaves out the incremental loads of the model: its result is for the state without them."
-            f" {_INSTEAD.get(function, usual)}."
+            f"fm.{function} leaves out the incremental loads of the model: its result belongs to the state without"
+            f" them. {_INSTEAD.get(function, usual)}."
         )
 
 
@@ -281,8 +281,8 @@ def check_stiffness(model: Model, result: Any, throw: bool, reached: str = "") -
         bends = sorted({block.element.name for block in known.topology.blocks if has_law(block)})
         if bends and int(code) == RESULTS.not_converged:
             about.append(
-                f"A law of {', '.join(bends)} that bends sharply, such as a stop, may hold the search up at its bend."
-                " Round it, as by jnp.logaddexp."
+                f"A law of {', '.join(bends)} has a sharp bend, such as a stop. The search may fail at this bend. Round"
+                " it, such as by jnp.logaddexp."
             )
     check(result, throw, " ".join(about))
 

@@ -208,8 +208,8 @@ def _first_missed(model: Model, codes: Any, targets: LoadFactors, reached: LoadF
     first = int(np.argmin(answered))
     at, up_to = (factors_told(model, jax.tree.map(lambda f: f[first], factors)) for factors in (targets, reached))
     return (
-        f"Of {len(answered)} equilibria number {first} is the first that was not found, for {at}. Load steps reached"
-        f" {up_to}. fm.path goes past a limit load."
+        f"Of {len(answered)} equilibria, number {first} was the first not found, at {at}. Load steps reached {up_to}."
+        " fm.path goes past a limit load."
     )
 
 
@@ -219,7 +219,7 @@ def _warn_of_unstable_ones(which: np.ndarray) -> None:
     if len(unstable):
         collect(RESULTS.unstable_state)
         warn(
-            f"Of {len(which)} equilibria {len(unstable)} are not stable, the first of them number {unstable[0]}: their"
-            " stiffness is negative in some motion. No mechanism stays there by itself. fm.path finds where that begins"
-            " and, with switch=True, follows the stable ones."
+            f"Of {len(which)} equilibria, {len(unstable)} are not stable, number {unstable[0]} first: their stiffness"
+            " is negative in some motion. No mechanism stays there by itself. fm.path finds the first unstable state"
+            " and, with switch=True, follows the stable states."
         )

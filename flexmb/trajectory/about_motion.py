@@ -133,8 +133,8 @@ def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: 
             apart = apart - apart[0] * (term.order == 0)
             if np.max(np.abs(apart)) > APART * np.max(np.abs(own)) + floors[term.order]:
                 warn(
-                    f"Input '{signal.name}' moves several held things together, but along this motion they move apart."
-                    " Its nominal value is the one nearest to all of them."
+                    f"Input '{signal.name}' moves several coordinates together, but in this motion they move"
+                    " differently. Its nominal value is nearest to all of them."
                 )
                 break
         first += len(signal.terms)

@@ -124,8 +124,8 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
         unstable = np.real(inverse.zeros)[np.real(inverse.zeros) > 0]
         earlier = np.log(1 / ZERO_OF_TERMS) / np.min(unstable)
         warn(
-            f"The inputs begin before the first of the times: a start from rest there causes errors of up to"
-            f" {short(error)}. Let the times begin earlier: some {short(earlier)} s before the outputs move."
+            "The inputs begin before the first time: a start from rest at this time causes errors of up to"
+            f" {short(error)}. Let the times begin earlier: about {short(earlier)} s before the outputs move."
         )
     return StableInversion(
         grid, u, y, z, inverse.zeros, np.array(inverse.degrees), np.asarray(error), tuple(inputs), tuple(names)
@@ -247,7 +247,7 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
             raise ModelError(
                 f"Trajectory '{name}' is not smooth enough: its derivative of order {order} jumps at"
                 f" {short(breaks[int(np.argmax(jumps))])} s, but the inputs determine the derivative of order {degree}"
-                " (the relative degree). Take a smoother law, such as fm.trajectory.septic."
+                " (the relative degree). Use a smoother law, such as fm.trajectory.septic."
             )
 
 

@@ -229,8 +229,8 @@ def inverse_dynamics(
         if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(found.result) == 0])):
             raise AnalysisError(
                 "singular_mass",
-                "An output that needs forces or combines others is not determined along the motion: some coordinate"
-                " carries no mass. Give it mass, or leave the output out.",
+                "An output that needs forces or combines others is not determined: a coordinate carries no mass. Give"
+                " the coordinate mass, or leave the output out.",
             )
     return Nominal(motion, found.u0, y0, found.f0, found.result)
 
@@ -241,9 +241,9 @@ def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], time
     if np.all(np.isfinite(sizes)):
         farthest = int(np.argmax(sizes))
         remedy = (
-            "A nominal motion holds all deformations without a law. Name no coefficients of spectral beams as degrees"
-            " of freedom: found ones leave the beams free to bend. Or take cubic beams (planar.beam, spatial.beam),"
-            " released in bending alone."
+            "A nominal motion keeps all deformations without a law constant. Name no coefficients of spectral beams as"
+            " degrees of freedom: the ones that build() finds leave the beams free to bend. Or use cubic beams"
+            " (planar.beam, spatial.beam), released in bending only."
         )
         warn_of_needless_strain(model, e[farthest], f"At t = {short(times[farthest])} s", remedy)
 
@@ -313,7 +313,7 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
             own = model.labels.x if place.quantity == "x" else model.labels.e
             prescribed[str(own[int(place.index)])] = law
         elif place.quantity in fixed and int(place.index) in fixed[place.quantity]:
-            raise ModelError(f"Trajectory '{name}' is of something FIXED, which cannot move.")
+            raise ModelError(f"Trajectory '{name}' belongs to a FIXED coordinate or deformation, which cannot move.")
         else:
             wanted[name] = Wanted(place, law)
     return wanted, prescribed
@@ -333,7 +333,7 @@ def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[s
         else:
             followed.append(name)
     if len(set(own)) < len(own):
-        raise ModelError("Two laws of `trajectory` are of the same degree of freedom: leave one out.")
+        raise ModelError("Two laws of `trajectory` belong to the same degree of freedom: leave one out.")
     if driven is not None:
         as_written = {name.replace(".rotation.", "."): name for name in names}
         given = [as_written.get(name, name) for name in driven]
@@ -395,8 +395,8 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
     if len(chosen) != count:
         has = f"there are {among([names[i] for i in chosen])}" if chosen else "there is none"
         raise ModelError(
-            f"{count} degrees of freedom are driven, which takes as many inputs, but {has}."
-            " Name inputs by input() in the builder, and select those that drive by `inputs`."
+            f"{count} degrees of freedom are driven and need as many inputs, but {has}. Name inputs by input() in the"
+            " builder, and select the driving inputs by `inputs`."
         )
     return chosen
 
@@ -411,8 +411,9 @@ def _check_inputs(model: Model) -> None:
     for signal in model.labels.inputs:
         if any(part.order is not None for part in signal.terms):
             raise ModelError(
-                f"Input '{signal.name}' moves something that is held, but inverse dynamics computes forces, moments and"
-                " stresses. Leave it out, call prescribe() for what moves, and give its law in the trajectory."
+                f"Input '{signal.name}' moves a FIXED or PRESCRIBED coordinate, but inverse dynamics computes forces,"
+                " moments and stresses. Leave it out, call prescribe() for the coordinate, and give its law in the"
+                " trajectory."
             )
 
 
@@ -425,7 +426,7 @@ def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _
     moves = np.asarray(found.moves)[first]
     still = [name for name, part in zip(names, moves, strict=True) if part == 0]
     if still:
-        raise ModelError(f"Trajectory of {among(still)}: nothing that is driven moves it.")
+        raise ModelError(f"Trajectory of {among(still)}: no driven degree of freedom moves it.")
     sizes, most = np.asarray(sizes_of(model.topology, model.parameters)), MOST_STEPS * STEP
     for name, law in laws.items():
         now, before = (np.asarray(rates(law, jnp.asarray(times[i]))) for i in (first, max(first - 1, 0)))
@@ -443,7 +444,7 @@ def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _
                 f" {most / (2 * np.pi):.0f} turns, or {most:g} times the size of the mechanism. Give more times, or"
                 " begin nearer.",
             )
-    check(codes[first], True, f"It is so at {short(times[first])} s.")
+    check(codes[first], True, f"This happens at {short(times[first])} s.")
 
 
 def _measured(

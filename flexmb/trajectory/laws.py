@@ -390,7 +390,7 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
         first = first_line(fault)
         raise TypeError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != ():
-        raise ValueError(f"{what} must give one number, but gives shape {shape}.")
+        raise ValueError(f"{what} must return one number, but returns shape {shape}.")
     return taken
 
 
@@ -418,12 +418,12 @@ def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any
     way = end - start
     if duration is not None:
         if any(limit is not None for limit in limits):
-            raise ValueError("Give `duration` or limits to find it from, not both.")
+            raise ValueError("Give `duration` or limits, not both.")
         check_number("duration", duration, above=0)
         duration = xp.asarray(duration, float)
     else:
         if all(limit is None for limit in limits):
-            raise ValueError("Give `duration`, or a limit to find it from: `velocity`, `acceleration` or `jerk`.")
+            raise ValueError("Give `duration`, or a limit: `velocity`, `acceleration` or `jerk`.")
         # A move by zero may take any time.
         far = xp.where(way == 0, 1.0, xp.abs(way))
         needed = [
@@ -444,7 +444,7 @@ def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[i
     import scipy.interpolate
 
     if not is_concrete(times):
-        raise TypeError("Argument `times` must be concrete numbers: derivatives are taken by the values.")
+        raise TypeError("Argument `times` must be concrete numbers; only the values are differentiable.")
     known = checked_times(times)
     check_numbers("The values at the times", values)
     values = jnp.asarray(values, float)
@@ -495,7 +495,7 @@ def _shaped(law: Any, frequency: ArrayLike, damping: ArrayLike, shares: Callable
     check_number("frequency", frequency, above=0)
     check_number("damping", damping, least=0)
     if is_concrete(damping) and not float(np.asarray(damping)) < 1:
-        raise ValueError(f"Argument `damping` must be below 1, where something vibrates, but is {shown(damping)}.")
+        raise ValueError(f"Argument `damping` must be below 1, so that the motion vibrates, but is {shown(damping)}.")
     xp: Any = np if is_concrete((frequency, damping)) else jnp
     ratio = xp.asarray(damping, float)
     root = xp.sqrt(1 - ratio**2)

@@ -116,8 +116,8 @@ class TimeVarying(Labelled, Record):
         """
         if not is_concrete(self.A):
             raise TypeError(
-                "Frequencies along a motion are computed on the host: ask for them outside jax.jit, jax.grad and"
-                " jax.vmap. The matrices A and M of the system have derivatives."
+                "Frequencies along a motion need concrete numbers: compute them outside jax.jit, jax.grad and jax.vmap."
+                " The matrices A and M of the system have derivatives."
             )
         n = self.M.shape[1]
         return _frequencies_along(-self.M @ self.A[:, n : 2 * n, :n], self.M)

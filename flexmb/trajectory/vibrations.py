@@ -324,8 +324,8 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
     moving = [s.name for s, moves in zip(lin.labels.inputs, form.moves, strict=True) if moves]
     if moving:
         raise ValueError(
-            f"Argument `u`: input '{moving[0]}' moves something that is held, so it is no small force. Put it into the"
-            " nominal motion."
+            f"Argument `u`: input '{moving[0]}' moves a FIXED or PRESCRIBED coordinate, so it is no small force. Put it"
+            " into the nominal motion."
         )
     return jnp.einsum("tij,tj->ti", form.B0, u)
 
@@ -354,5 +354,5 @@ def _not_held(names: list[str], held: Sequence[str]) -> Array:
         raise ValueError(f"Argument `held`: '{unknown[0]}' is no degree of freedom; there is {', '.join(names)}.")
     kept = np.array([i for i, name in enumerate(names) if name not in held], int)
     if not len(kept):
-        raise ValueError("All degrees of freedom are held, so that none is left to vibrate.")
+        raise ValueError("All degrees of freedom are held, so none can vibrate.")
     return jnp.asarray(kept)

@@ -115,7 +115,7 @@ def test_a_response_in_millimetres_is_read_in_si_units(tmp_path):
     np.testing.assert_allclose(loaded(8, 2, 13), values, rtol=1e-12)
     np.testing.assert_allclose(loaded(8, 6, 13), 1e3 * values, rtol=1e-12)
     np.testing.assert_allclose(loaded(13, 1, 12), values, rtol=1e-12)
-    with pytest.raises(ValueError, match="is not in SI units and does not say what its signals are"):
+    with pytest.raises(ValueError, match="is not in SI units and does not state the quantities of its signals"):
         loaded(0, 1, 13)
 
 

@@ -102,7 +102,10 @@ WRONG = {
     "position of words": (lambda b: b.node("C", ("1", "2")), r"Node 'C' must be a number, not '1'"),
     "arguments exchanged": (lambda b: b.node((0, 0), "C"), r"A node is named by a string.*not by \(0, 0\)"),
     "a node without a name": (lambda b: b.node("", (0, 0)), r"A node needs a name"),
-    "a name that is a rotation's": (lambda b: b.node("A.rotation", (0, 0)), r"'A.rotation' would be taken for the rot"),
+    "a name that is a rotation's": (
+        lambda b: b.node("A.rotation", (0, 0)),
+        r"'A.rotation' has a name that is reserved for the rot",
+    ),
     "mass on a rotation": (lambda b: (beam(b), b.mass("A.rotation", 1.0)), r"'A.rotation' has no position"),
     "mass a word": (lambda b: b.mass("A", "heavy"), r"The mass on node 'A' must be a number, not 'heavy'"),
     "mass of two": (lambda b: b.mass("A", [1.0, 2.0]), r"The mass on node 'A' must be one number, but has shape"),
@@ -133,7 +136,7 @@ WRONG = {
     ),
     "temperature of a hinge": (
         lambda b: (b.rotation("A2"), b.add(planar.hinge, "A.rotation", "A2", name="h"), b.temperature("h", 10.0)),
-        r"Temperature of element 'h': no temperature deforms one of type hinge",
+        r"Temperature of element 'h': temperature does not deform an element of type hinge",
     ),
     "temperature of no element": (
         lambda b: (warm(b), b.temperature("laef", 1)),

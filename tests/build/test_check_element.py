@@ -38,7 +38,7 @@ WRONG = {
     ),
     "a root": (lambda p: jnp.sqrt(bend(p) ** 2), "a first derivative of its deformations is not finite in the und"),
     "not its derivative": (lambda p: still(bend(p)) + 0.1 * bend(p), "derivative of deformation 1 is not that of its"),
-    "nothing": (lambda p: 0 * p.rot_p, "deformation 1 is zero whatever the coordinates are"),
+    "nothing": (lambda p: 0 * p.rot_p, "deformation 1 is zero for all coordinates"),
 }
 
 

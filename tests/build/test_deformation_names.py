@@ -91,7 +91,7 @@ REFUSED = {
         lambda: beam().prestress("l", PULL),
         r"Prestress of element 'l': deformation 1 \(closure_x\).*" + MEANT,
     ),
-    "prestress by name": (lambda: beam().prestress("l", closure_x=1.0), r"deformation 1 \(closure_x\).*does nothing"),
+    "prestress by name": (lambda: beam().prestress("l", closure_x=1.0), r"deformation 1 \(closure_x\).*has no effect"),
     "strain": (lambda: beam().strain("l", 0, 1e-3), r"Strain of element 'l': deformation 2 \(closure_y\).*" + MEANT),
     "released": (lambda: beam(released=(1, 2, 3)), r"deformation 1 \(closure_x\) is part of " + MEANT),
     "release": (lambda: beam().release("l", 3), r'deformation 3 .*give its name "closure_tilt"'),

@@ -223,5 +223,5 @@ def test_what_is_over_constrained_is_released_beside_traced_sections():
 def test_a_release_that_is_not_looked_for_is_refused():
     with pytest.raises(fm.ModelError, match="cannot be found while numbers of the model's geometry are traced"):
         jax.grad(lambda height: fm.frequencies(guide_to_release(0.5e-3, height))[0])(0.1)
-    with pytest.raises(fm.ModelError, match="The checks find what release='auto' releases: leave out check=False"):
+    with pytest.raises(fm.ModelError, match="release='auto' needs the checks: leave out check=False"):
         guide_to_release(0.5e-3, check=False)

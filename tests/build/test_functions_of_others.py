@@ -63,7 +63,9 @@ def test_a_model_answers_for_what_its_elements_meant_when_it_was_built(monkeypat
     assert frequency(after) == approx((400.0 / MASS) ** 0.5)
     # What is compiled keeps its number; what has to be derived anew would have the other one.
     assert displacement(before) == approx(FORCE / 100.0)
-    with pytest.raises(fm.ModelError, match=r"'elongation'.* its law refers to has changed since the model was built"):
+    with pytest.raises(
+        fm.ModelError, match=r"'elongation'.* its law uses a number that has changed since the model was built"
+    ):
         stretched(before)
     monkeypatch.setitem(globals(), "STIFFNESS", 100.0)
     assert stretched(before) == approx(FORCE / 100.0 * (1 - np.cos((100.0 / MASS) ** 0.5 * 0.1)), rel=1e-4)

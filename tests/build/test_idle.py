@@ -129,6 +129,8 @@ def test_a_law_of_deformations_that_are_all_held_is_told(element):
         b.fix("A")
         return b.build()
 
-    with pytest.warns(fm.FlexmbWarning, match="Law of element 'spring': all of its deformations are held"):
+    with pytest.warns(
+        fm.FlexmbWarning, match="Law of element 'spring': all of its deformations are FIXED or PRESCRIBED"
+    ):
         build(released=())
     build()

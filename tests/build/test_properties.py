@@ -152,7 +152,7 @@ OTHERS = {
         lambda b: b.add(spatial.mass, "A", name="m", mass=-1.0),
         r"Element 'm' has a mass of -1.0, but it cannot be negative",
     ),
-    "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*does nothing without .*'mass'"),
+    "a mass without mass": (lambda b: b.add(spatial.mass, "A", name="m"), r"'m' .*has no effect without .*'mass'"),
     "Poisson's ratio in percent": (
         lambda b: b.add(spatial.beam, "A", "B", name="s", section=fm.Circle(1e-3, fm.Material(1e9, 1e9, nu=30.0))),
         r"section of element 's' has nu = 30.0, but it must be above -1 and below 0.5",

@@ -227,16 +227,16 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.saturated(LAG, 1.0, tracking=0.1), "`tracking` is for integrators"),
         (lambda: fm.control.saturated(LAG, [[1.0, -1.0]]), "least must be below"),
         (lambda: fm.control.saturated(LAG, [-1.0, 1.0]), r"has shape \(2,\)"),
-        (lambda: fm.control.saturated(INTEGRATOR * INTEGRATOR, 1.0, tracking=0.1), "in a chain"),
+        (lambda: fm.control.saturated(INTEGRATOR * INTEGRATOR, 1.0, tracking=0.1), "form a chain"),
         (lambda: fm.control.saturated(control.tf([1, 0, 0], [1, 1]), 1.0), "It must be proper"),
         (lambda: fm.control.saturated(control.nlsys(None, lambda t, x, u, p: u, inputs=1, outputs=1), 1.0), "must be"),
         (lambda: fm.control.delayed(LAG.sample(0.1), 0.25), "whole samples of 0.1 s, and 0.25 s are 2.5"),
-        (lambda: fm.control.delayed(LAG.sample(0.1), 0.2, order=2), "`order` is for a continuous"),
+        (lambda: fm.control.delayed(LAG.sample(0.1), 0.2, order=2), "`order` is only for a continuous"),
         (lambda: fm.control.delayed(lambda t, y: y, 0.1), "Only a linear system"),
         (lambda: fm.control.scheduled([0.0, 0.0], [1.0, 2.0]), "must be ascending"),
         (lambda: fm.control.scheduled([0.0, 1.0], [1.0, 2.0, 3.0]), "at 2 times"),
         (lambda: fm.control.scheduled([0.0, 1.0], [LAG, LAG * LAG]), "differ in their numbers of states"),
-        (lambda: fm.control.scheduled([0.0, 1.0], [LAG, 1.0]), "systems and others"),
+        (lambda: fm.control.scheduled([0.0, 1.0], [LAG, 1.0]), "mixes systems and other objects"),
         (lambda: fm.control.fed_forward(LAG, 1.0), "`law` must be a function of time"),
         (lambda: fm.control.closed_loop(MODEL, lambda t, y: y), "function is no linear system"),
         (lambda: fm.control.closed_loop(MODEL, LAG), "1 inputs and 1 outputs, but the mechanism has 2 outputs"),
@@ -259,7 +259,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         ),
         (
             lambda: fm.simulate(MODEL, TIMES, control=fm.control.fed_forward(lambda t, y: y[:1], lambda t: [1, 2])),
-            r"`law` gives shape \(2,\)",
+            r"`law` returns shape \(2,\)",
         ),
     ],
 )
@@ -294,9 +294,9 @@ def test_integrators_are_led_back_alike_where_gains_are_traced():
         fm.control.saturated(gains, 1.0, **tracking)
         return a
 
-    with pytest.raises(fm.ModelError, match="or may since its A is traced"):
+    with pytest.raises(fm.ModelError, match="or its A is traced"):
         jax.jit(limited)(np.zeros((1, 1)))
-    with pytest.raises(fm.ModelError, match="unknown since its A is traced"):
+    with pytest.raises(fm.ModelError, match="unknown since A is traced"):
         jax.jit(lambda a: limited(a, tracking=0.1))(np.zeros((1, 1)))
     jax.jit(lambda a: limited(a, tracking=np.inf))(np.zeros((1, 1)))
 

@@ -173,7 +173,7 @@ def test_lines_and_jumps_of_densities_that_are_functions():
     ],
 )
 def test_a_density_too_rough_to_be_drawn_is_told(rough):
-    with pytest.warns(fm.FlexmbWarning, match="density of source 'push' is not resolved"):
+    with pytest.warns(fm.FlexmbWarning, match="density of source 'push' is too rough"):
         fm.control.noise_budget(shaken(), sources={"push": rough}, band=(1.0, 400.0), outputs="tip")
 
 

@@ -79,6 +79,6 @@ def test_damping_without_mass_is_not_left_out_without_a_word():
     with pytest.warns(fm.FlexmbWarning, match=r"motion of n1\.x carries no mass but is damped.*wrong by up to"):
         fm.to_statespace(model)
     with pytest.warns(
-        fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped\. The exact sum leaves its damping out"
+        fm.FlexmbWarning, match=r"n1\.x carries no mass but is damped\. The exact integral neglects this damping"
     ):
         fm.control.noise_budget(model, sources={"push": 1.0})

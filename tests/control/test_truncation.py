@@ -206,7 +206,7 @@ def test_derivatives():
 
 def test_a_bandwidth_that_is_traced_chooses_no_modes():
     model = chain()
-    with pytest.raises(ValueError, match=r"depends on traced numbers\. Give `modes`"):
+    with pytest.raises(ValueError, match=r"depend on traced numbers\. Give `modes`"):
         jax.eval_shape(lambda hertz: fm.control.state_matrices(model, bandwidth=hertz)[0], 3.0)
 
 

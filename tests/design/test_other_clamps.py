@@ -109,7 +109,7 @@ def test_what_another_structure_cannot_answer_stops_no_other_design():
 @pytest.mark.slow
 def test_a_search_leaves_out_what_is_clamped_otherwise(alone):
     between = alone[:2].mean()
-    with pytest.warns(fm.FlexmbWarning, match="left out designs whose leaf springs are clamped otherwise"):
+    with pytest.warns(fm.FlexmbWarning, match="left out designs whose leaf springs are clamped differently"):
         found = fm.tune(
             stepped,
             {"twist": twist},

@@ -350,7 +350,7 @@ def test_slopes_of_statistics_agree_with_differences(what):
 def test_wrong_questions_about_made_mechanisms_are_named():
     start, bounds, answers = {"x": 1.0}, {"x": (0.5, 2.0)}, {"y": cube}
     scatter = fm.scatter({"x": 0.1})
-    with pytest.raises(ValueError, match=r"'percentile 5 y' is about made mechanisms\. Give `scatter`"):
+    with pytest.raises(ValueError, match=r"'percentile 5 y' is a statistic of made mechanisms\. Give `scatter`"):
         fm.tune(made, answers, start, bounds, minimize="percentile 5 y")
     with pytest.raises(ValueError, match="needs `acceptable`"):
         fm.tune(made, answers, start, bounds, maximize="yield", scatter=scatter)

@@ -205,7 +205,7 @@ WRONG = [
     ("lower = 0.1e-3, upper = 2e-3", "min = 1e-3", "[parameters] t: there is no 'min'"),
     ('minimize = "m"', 'minimise = "m"', "[tune]: there is no 'minimise'"),
     ('minimize = "m"', 'minimize = "n"', "[tune] minimize: There is no answer 'n'"),
-    ('minimize = "m"', "", "Say what is wanted"),
+    ('minimize = "m"', "", "Give an objective"),
     ("w = 0.018", "", "there is no parameter 'w'"),
     ("w = 0.018", "w = 0.018\nq = { value = 1, lower = 0, upper = 2 }", "[parameters] q: 'guide.dat' has no {q}"),
     ("l = 0.1\n", "l = \n", "study.toml: Invalid value"),
@@ -356,7 +356,7 @@ def test_wrong_studies_are_one_line(study, old, new, words):
 
 OF_TUNE = (
     "is outside its",
-    "Say what is wanted",
+    "Give an objective",
     "Give either",
     "Answer 'objective'",
     "imits of 'f'",
@@ -499,7 +499,7 @@ def test_names_that_meet_in_a_file_are_refused_before_the_work(study):
     study.write_text(text)
     result = call("tune", study, "--save", study.with_name("a.npz"))
     assert result.exit_code == 2
-    assert "is a name that --save gives to something else" in result.stderr
+    assert "is a name that --save uses for another array" in result.stderr
     study.write_text(STUDY.replace("double =", "codes ="))
     assert_one_line(call("sweep", study), "Answer 'codes' must have another name")
 
@@ -561,7 +561,7 @@ def test_choices_of_a_study(study):
     data = json.loads(call("tune", study, "--json", "-").stdout)
     assert data["choices"] == {"w": 0.009}
     assert [one["status"] for one in data["combinations"]] == ["successful"] * 2
-    with pytest.raises(fm.errors.StudyError, match=r"\[choices\]: a sweep has none"):
+    with pytest.raises(fm.errors.StudyError, match=r"\[choices\]: a sweep has no choices"):
         read_study(study).sweep()
 
 

@@ -185,7 +185,7 @@ def test_strongest_clamped_column_is_bimodal():
 
 @pytest.mark.slow(
     "changes4-no answer 'frequenzy'",
-    "changes5-Say what is wanted",
+    "changes5-Give an objective",
     "changes6-one number can be minimized",
     "changes7-Limits of 'frequency' are empty",
     "changes8-must be two values",
@@ -200,7 +200,7 @@ def test_strongest_clamped_column_is_bimodal():
         ({"bounds": {**BOUNDS, "width": (1, 2)}}, "Bounds of 'width': there is no such dimension"),
         ({"dimensions": {"thickness": 3e-3}}, "Start 0.003 of 'thickness' is outside its bounds"),
         ({"targets": {"frequenzy": 20.0}}, "no answer 'frequenzy'"),
-        ({"targets": {}}, "Say what is wanted"),
+        ({"targets": {}}, "Give an objective"),
         ({"targets": {}, "minimize": "pair"}, "one number can be minimized"),
         ({"limits": {"frequency": (5.0, 2.0)}}, "Limits of 'frequency' are empty"),
         ({"limits": {"frequency": 5.0}}, "must be two values"),

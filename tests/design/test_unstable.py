@@ -71,7 +71,7 @@ def test_a_sweep_by_sparse_factors_says_so(name, compiled):
 @pytest.mark.slow
 def test_derivatives_and_optima_in_unstable_states_say_so():
     answers = {"height": ANSWERS["equilibrium"]}
-    with pytest.warns(fm.FlexmbWarning, match=r"not stable.* concerns the sensitivities of height"):
+    with pytest.warns(fm.FlexmbWarning, match=r"not stable.* affects the sensitivities of height"):
         fm.sensitivities(column, answers, {"bending": 0.9 / EULER})
     # The tip sinks by 1/EA however soft the column is: nothing but the bound holds it.
     answers["rigidity"] = lambda m: m.parameters.properties[0]["section"].EIy[0]

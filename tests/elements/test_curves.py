@@ -234,9 +234,9 @@ def test_a_leaf_spring_goes_on_in_the_direction_of_a_curve():
     ("curvature", "message"),
     [
         (lambda s: 60.0, "no curve between its ends has"),
-        (lambda s: (0.0, 1.0, 0.0), "one number a place in the plane, three in space"),
+        (lambda s: (0.0, 1.0, 0.0), "one number per place in the plane, three in space"),
         (lambda s: abs(s - 0.3), "not smooth enough"),
-        (fm.sections.curvature_through([(0, 0), (0.05, 0.02), (0.11, 0)]), "through points whose last is not as far"),
+        (fm.sections.curvature_through([(0, 0), (0.05, 0.02), (0.11, 0)]), "through points whose ends do not match"),
         ("arc", "must be a number"),
     ],
 )
@@ -248,7 +248,7 @@ def test_a_curve_that_does_not_fit_is_named(curvature, message):
 @pytest.mark.parametrize(
     ("points", "message"),
     [
-        ([(0, 0), (1, 1)], "three points at least"),
+        ([(0, 0), (1, 1)], "at least three points"),
         ([(0, 0), (0, 0), (1, 1)], "coincide"),
         ([(0, 0), (0.5, 0.001), (0.51, 0.2), (0.52, 0.001), (1, 0)], "bends too sharply"),
     ],

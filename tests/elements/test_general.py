@@ -172,7 +172,7 @@ WRONG = {
     "(6, 6), (4, 4), (21,) or (10,)": np.ones(7),
     "not symmetric: its entries between elongation and twist differ": changed(4, {(0, 1): 5.0}),
     "diagonal entry of the shear_z is not positive": changed(6, {(2, 2): 0.0}),
-    "strains of elongation and twist together take no work": np.array(
+    "combined strains of elongation and twist need no work": np.array(
         [[1.0, 2, 0, 0], [2, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
     ),
 }
@@ -233,7 +233,7 @@ def test_other_elements_refuse_a_general_section_by_name(element):
 
 def test_stress_and_temperature_are_refused_by_name():
     section = fm.sections.General(coupled(4), **MASS)
-    with pytest.raises(fm.ModelError, match="'beam' is given by its rigidities and has no shape, and so no stress"):
+    with pytest.raises(fm.ModelError, match="'beam' is given by its rigidities, without a shape, and has no stress"):
         fm.stress(cantilever(section, order=2).build())
     b = cantilever(section, order=2)
     with pytest.raises(fm.ModelError, match="'beam'"):

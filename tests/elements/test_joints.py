@@ -104,5 +104,5 @@ def test_whirl_of_a_rotor_whose_spin_is_prescribed_and_whose_tilts_are_free():
     # The springs are 100 long: they turn by 1e-3 of what they lengthen.
     np.testing.assert_allclose(found, expected, rtol=1e-6)
     # A body of unequal inertias spins beside these tilts.
-    with pytest.warns(fm.FlexmbWarning, match="do not rest in this motion"):
+    with pytest.warns(fm.FlexmbWarning, match="are not constant in this motion"):
         fm.motion.steady_motion(rotor(1.3 * inertia), drive)

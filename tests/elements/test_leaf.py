@@ -400,7 +400,7 @@ def test_ends_that_contradict_each_other_are_named():
         ({}, "needs the property 'section'"),
         ({"section": fm.Rigidity(EA=1.0)}, "must be a Rectangle"),
         ({"section": dataclasses.replace(LEAF, warping_length=0.1)}, "counts restrained warping itself"),
-        ({"section": fm.sections.stepped((LEAF, LEAF), (0.5,))}, "make a leaf spring of each piece"),
+        ({"section": fm.sections.stepped((LEAF, LEAF), (0.5,))}, "use one leaf spring per piece"),
         ({"section": fm.sections.Profile(lambda s: fm.Rectangle(0.018, 1e-3 * (0.5 - s), STEEL))}, "must be positive"),
         ({"section": LEAF, "clamped": (1, 0)}, "must be True or False, or two of them"),
         ({"section": LEAF, "clamped": (True,)}, "must be True or False, or two of them"),

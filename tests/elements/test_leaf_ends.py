@@ -275,10 +275,10 @@ def test_steps_where_lengths_are_traced_are_those_of_numbers(middle, height, cla
 def test_other_sizes_of_a_step_need_a_build(sizes):
     model = in_line([LEAF, fm.Rectangle(*sizes, STEEL)])
     for path in ("section.width", "section.thickness"):
-        with pytest.raises(fm.ModelError, match=r"'part 0' and 'part 1' go on in line.*build the model again"):
+        with pytest.raises(fm.ModelError, match=r"'part 0' and 'part 1' are in line.*build the model again"):
             model.with_property(path, 1e-3, ["part 0"])
     alike = in_line([LEAF, LEAF])
-    with pytest.raises(fm.ModelError, match="go on in line"):
+    with pytest.raises(fm.ModelError, match="are in line"):
         alike.with_property("section.width", 0.01, ["part 1"])
     assert alike.with_property("section.width", 0.01).parameters.properties
     # Beside a body sizes are apart.
@@ -402,7 +402,7 @@ def test_half_space_of_a_root():
     # A block of twice the thickness gives by the logarithm of two more.
     more = 1 / np.asarray(root_stiffness(LEAF, STEEL, 0.1))[0] - 1 / k[0]
     assert more == approx(0.964 * 2 * np.log(2) / (np.pi * plane * 0.018), rel=1e-3)
-    with pytest.raises(fm.ModelError, match="thicker than itself"):
+    with pytest.raises(fm.ModelError, match="thicker than the leaf spring"):
         root_stiffness(LEAF, STEEL, 0.4e-3)
 
 
@@ -434,7 +434,7 @@ def test_six_stiffnesses_of_a_root_are_not_two_roots_in_the_plane():
 @pytest.mark.parametrize(
     ("properties", "message"),
     [
-        ({"skew": (np.pi / 2, 0.0)}, "cut along itself"),
+        ({"skew": (np.pi / 2, 0.0)}, "cut along its length"),
         ({"skew": 0.3}, "must have shape"),
         ({"skew": (0.1, 0.2, 0.3)}, "must have shape"),
         ({"clamp": (1e6, 1e6)}, "must be the 6 stiffnesses of a root"),
@@ -501,7 +501,7 @@ def test_a_leaf_spring_too_short_for_its_cuts_has_no_answer_where_it_is_traced()
     [
         ([fm.Rectangle(0.03, 0.5e-3, STEEL), fm.Rectangle(0.005, 0.5e-3, STEEL)], "a step to 6 times its width"),
         ([fm.Rectangle(0.1, 0.5e-3, STEEL), fm.Rectangle(0.05, 0.5e-3, STEEL)], "beside a step it is 0.5 times"),
-        ([LEAF, fm.Rectangle(0.009, 0.8e-3, STEEL)], "a step in width and thickness at once"),
+        ([LEAF, fm.Rectangle(0.009, 0.8e-3, STEEL)], "a step in both width and thickness"),
     ],
 )
 def test_a_step_out_of_range_warns(sections, message):

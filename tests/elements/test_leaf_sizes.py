@@ -226,5 +226,5 @@ def test_a_strip_bent_too_far_for_its_width_warns():
     b = straight(0.1, 0.05, 0.25e-3)
     b.prescribe("tip", "z", 0.02)
     b.fix("tip", "rotation")
-    with pytest.warns(fm.errors.CoarseWarning, match="Element 'leaf'.*bent sideways"):
+    with pytest.warns(fm.errors.CoarseWarning, match="Element 'leaf'.*Sideways stiffness"):
         fm.equilibrium(b.build())

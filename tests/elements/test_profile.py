@@ -300,7 +300,7 @@ FAULTS = {
     "groove": (
         lambda s: leaf(5e-4 * (1 - 0.8 * jnp.exp(-(((s - 0.3) / 0.005) ** 2)))),
         (),
-        "a section that is not smooth between its breaks: name where it jumps or bends sharply in `breaks`",
+        "a section that is not smooth between its breaks: name the places where it jumps or bends sharply in `breaks`",
     ),
     "order": (lambda s: leaf(5e-4), (0.6, 0.4), "breaks at 0.6, 0.4.*in order"),
 }
@@ -345,7 +345,7 @@ def test_what_is_no_profile_is_refused():
             cantilever(spatial.spectral_beam, nothing, (0.1, 0.0, 0.0))
     with pytest.raises(fm.ModelError, match="has a section with EA = 0 at place"):
         cantilever(spatial.spectral_beam, sections.Profile(lambda s: fm.Rigidity(EIy=1.0 + s)), (0.1, 0.0, 0.0))
-    with pytest.raises(fm.ModelError, match="must give a section"):
+    with pytest.raises(fm.ModelError, match="must return a section"):
         sections.Profile(lambda s: 5e-4 * s)
     with pytest.raises(fm.ModelError, match=r"entry of shape \(2,\)"):
         sections.Profile(lambda s: leaf(jnp.stack([s, s])))

@@ -235,7 +235,7 @@ def test_sections_by_their_numbers():
     section = fm.Rigidity(1e6, 1.0, 50.0, 0.05, EIw=1e-6)
     assert warping_of(rod([section] * 2, [0.05] * 2, ()).build()) == {"n0": "FIXED", "n1": "free", "n2": "free"}
     other = fm.Rigidity(1e6, 1.0, 50.0, 0.06, EIw=1e-6)
-    with pytest.raises(fm.ModelError, match=r"'beam 0': whether 'beam 1' clamps its last end.*Say it with clamped="):
+    with pytest.raises(fm.ModelError, match=r"'beam 0': whether 'beam 1' clamps its last end.*State it by clamped="):
         rod([section, other], [0.05] * 2, ()).build()
 
 

@@ -371,7 +371,7 @@ def test_without_a_compiler_a_unit_holds_sources_and_says_so(tmp_path, monkeypat
     monkeypatch.setenv("CC", "/no/such/cc")
     path = tmp_path / "bare.fmu"
     with pytest.warns(
-        FlexmbWarning, match=r"'bare' holds its sources alone, since there is no C compiler '/no/such/cc'"
+        FlexmbWarning, match=r"'bare' contains only its sources, since there is no C compiler '/no/such/cc'"
     ):
         saved = fm.save_fmu(oscillators([1.0]), path)
     assert saved.binary is None
@@ -488,7 +488,7 @@ def test_a_nonlinear_mechanism_moves_as_newton_says(tmp_path):
     np.testing.assert_allclose(found["position mass.y"], expected[1], atol=1e-7)
     with pytest.raises(ValueError, match="without `modes`"):
         fm.save_fmu(b.build(), path, nonlinear=True, modes=1)
-    with pytest.raises(ValueError, match="say nonlinear=True"):
+    with pytest.raises(ValueError, match="give nonlinear=True"):
         fm.save_fmu(b.build(), path, loads={"mass.x": np.sin})
 
 
@@ -576,7 +576,7 @@ def renamed(inputs=("u",), outputs=("y",), states=("q",)):
         (renamed(outputs=("y", "y")), {}, "output 'y' shares its name with the unit's output"),
         (renamed(states=("q", "q")), {}, "'state q' shares .* Rename the state, by `states` of control"),
         (control.StateSpace([[0.5]], [[1]], [[1]], [[0]], 1e-3), {}, r"sampled \(dt = 0.001 s\)"),
-        (control.StateSpace([], [], [], [[1]]), {}, "lacks inputs, outputs or states"),
+        (control.StateSpace([], [], [], [[1]]), {}, "has no inputs, no outputs or no states"),
         (
             control.StateSpace([[np.nan]], [[1]], [[1]], [[0]], remove_useless_states=False),
             {},

@@ -290,5 +290,5 @@ def test_what_c_cannot_do_is_refused_by_name():
         plant(model, loads={"cart.x": wind})
     with pytest.raises(fm.ModelError, match=r"`eigh` in gust, test_translate.py:\d+ has no translation to C"):
         plant(model, loads={"cart.x": gust})
-    with pytest.raises(fm.ModelError, match="gives numbers of type float32"):
+    with pytest.raises(fm.ModelError, match="returns numbers of type float32"):
         Unit().add("f", lambda x: x.astype(jnp.float32) + 1, (1.0,))

@@ -200,7 +200,7 @@ def test_other_values_are_fitted_by_the_same_programs():
 
 
 REFUSED = [
-    ({"frequency 1": (0.8, 0.01)}, ValueError, "2 parameters cannot follow from 1 values"),
+    ({"frequency 1": (0.8, 0.01)}, ValueError, "2 parameters cannot be fitted to 1 values"),
     ({"frequency 1": (800.0, 0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' are about 1.3e.*SI units"),
     ({"frequency 1": (np.nan, 0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' has a value that is not finite"),
     ({"frequency 1": (0.8, -0.01), "mass": (4.0, 0.1)}, ValueError, "'frequency 1' has a deviation of -0.01"),
@@ -253,7 +253,7 @@ def test_parameters_that_fit_as_well_are_named():
     reading = fm.measured(lambda model, place: (place - 2) ** 2 + 0 * moved(model), 1.0, 0.01, name="reading")
     data = {"mass": (MASS, 0.1), "reading": reading}
     start, bounds = {"mass": 5.0, "place": 2.5}, {"mass": (0.4, 40.0), "place": (0.0, 4.0)}
-    with pytest.warns(fm.FlexmbWarning, match="Other parameters fit as well: .*place = "):
+    with pytest.warns(fm.FlexmbWarning, match="Other parameters fit equally well: .*place = "):
         found = fm.fit(lambda mass: cart(mass=mass), data, start, bounds, starts=6)
     assert sorted(float(values["place"]) for values, _ in found.minima) == pytest.approx([1.0, 3.0], rel=1e-6)
 

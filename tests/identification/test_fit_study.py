@@ -238,7 +238,7 @@ FAULTS = [
     ),
     ("[data.c]\nanswer = 'lab:curve'\nfile = 'nan.csv'\ndeviation = 0.1", "'nan.csv', line 3: values is 'nan'"),
     ("[data.c]\nanswer = 'lab:curve'\nvalues = [1.0, nan, 2.0]\ndeviation = 0.1", "values must be a finite number"),
-    (CURVE + "values = 940.0\ndeviation = 9.0", "2 parameters cannot follow from 1 values"),
+    (CURVE + "values = 940.0\ndeviation = 9.0", "2 parameters cannot be fitted to 1 values"),
     (CURVE + "values = 940.0\ndeviation = -9.0", "'drive' has a deviation of -9"),
     (CURVE + "values = 940.0\ncovariance = [[-81.0]]", "covariance that is not positive definite"),
     (CURVE + "deviation = 9.0", "[data] drive: give values"),
@@ -254,7 +254,7 @@ FAULTS = [
     (CURVE + "file = 'nan.csv'\ncolumns = { forces = 'force' }", "there is no 'forces' in columns"),
     (CURVE + "values = 1.0\nfile = 'short.csv'", "'short.csv' has no column values or deviation"),
     (CURVE + "file = 'short.csv'\ncolumns = { values = 3 }", "'short.csv', line 1: there is no column 3 for values"),
-    (CURVE + "values = 940.0\ncolumns = { values = 1 }", "columns are of a file"),
+    (CURVE + "values = 940.0\ncolumns = { values = 1 }", "columns belong to a file"),
     ("[data.r]\nresponse = true\nhertz = [1.0]\nreal = [1.0]", "[data] r: give imaginary"),
     ("[data.r]\nresponse = true\nfile = 'short.uff'", "short.uff"),
     (CURVE + "file = 'short.uff'", "a universal file has frequency responses"),
@@ -286,7 +286,7 @@ def test_each_fault_is_one_line(study, tmp_path, text, words):
     given = of_data(text)
     if "curve" in text:
         given = given.replace("w = 0.018\n", "w = 0.018\noffset = 0.0\n")
-    if "cannot follow" in words:
+    if "cannot be fitted" in words:
         given = given.replace(", prior = [0.1, 0.05]", "")
     study.write_text(given)
     result = call("fit", study)
@@ -301,7 +301,7 @@ PARAMETERS = [
     ("prior = [0.1, 0.05]", "prior = [0.1, -0.05]", "[parameters] m: prior must be positive"),
     ("prior = [0.1, 0.05]", "prior = 0.1", "list of mean and standard deviation"),
     ("w = 0.018", "w = { value = 0.018, prior = [0.018, 1e-4] }", "[parameters] w: a prior needs lower and upper"),
-    ("[data.first]", "[choices]\nw = [0.018]\n[data.first]", "[choices]: a fit has none"),
+    ("[data.first]", "[choices]\nw = [0.018]\n[data.first]", "[choices]: a fit has no choices"),
     ("value = 0.45e-3", "value = 4.5", "is outside its bounds"),
 ]
 

@@ -83,7 +83,7 @@ def test_an_unknown_deviation_is_integrated_out():
 def test_what_cannot_be_sampled_is_refused():
     data = {"frequency 1": (0.796, 0.01), "mass": (4.0, 0.1)}
     robust = fm.fit(cart, data, {"stiffness": 90.0, "mass": 5.0}, BOUNDS, loss="huber")
-    with pytest.raises(ValueError, match="'huber' belongs to no distribution"):
+    with pytest.raises(ValueError, match="'huber' corresponds to no distribution"):
         robust.sample()
     with pytest.raises(ValueError, match="count"):
         fm.fit(cart, data, {"stiffness": 90.0, "mass": 5.0}, BOUNDS).sample(0)

@@ -236,7 +236,7 @@ def test_loads_that_bend_a_mechanism_as_they_are_are_told(increment):
     """Multipliers of all loads are about the state under them, those of increments about the mechanism without."""
     model = of_two_beams((-1.8, 0.06), increment)
     for options in ({}, {"count": 1, "sparse": True}):
-        with contextlib.nullcontext() if increment else pytest.warns(fm.FlexmbWarning, match="With factor one, these"):
+        with contextlib.nullcontext() if increment else pytest.warns(fm.FlexmbWarning, match="At load factor 1, these"):
             fm.buckling_loads(model, **options)
 
 

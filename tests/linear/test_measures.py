@@ -187,7 +187,7 @@ def test_modes_are_compared_whatever_their_degrees_of_freedom():
         assert found == approx(float(fm.frequencies(model)[1]), rel=1e-12)
     with pytest.raises(ValueError, match=r"`number` .* one of the 6 modes, from 0, but is 6"):
         fm.linear.frequency_like(guide(0.1), one, 6)
-    with pytest.raises(ValueError, match=r"`number` .* goes with Modes"):
+    with pytest.raises(ValueError, match=r"`number` .* needs Modes"):
         fm.linear.frequency_like(guide(0.1), np.ones(6), 1)
     with pytest.raises(ValueError, match=r"the models differ\. Their nodes or elements have other names"):
         fm.linear.mode_assurance(one, fm.modes(cross((K, K, 0.0))))

@@ -167,7 +167,7 @@ def test_what_is_chosen_and_refused():
     large = fm.linearize(bent(), sparse=True)
     with pytest.raises(ValueError, match="give `count`"):
         fm.modes(large)
-    with pytest.raises(ValueError, match="sparse=False does not go with"):
+    with pytest.raises(ValueError, match="contradicts sparse=False"):
         fm.modes(large, count=2, sparse=False)
     with pytest.raises(ValueError, match=r"give fm\.modes a Model"):
         fm.modes(fm.linearize(bent(check=True)), count=2, sparse=True)
@@ -182,7 +182,7 @@ def test_what_is_chosen_and_refused():
     b.node("b", (1, 0))
     b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
     b.fix("a", "x", "y")
-    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+    with pytest.raises(fm.AnalysisError, match="a motion has no stiffness"):
         fm.compliance(b.build(check=False), "b", sparse=True)
 
 
@@ -351,7 +351,7 @@ def test_a_cantilever_of_any_size_vibrates_alike(space):
 @pytest.mark.slow
 def test_a_negative_mass_is_refused():
     """As by dense matrices; where masses of beams make up for it, it is one of theirs."""
-    with pytest.raises(fm.AnalysisError, match="or negative mass"):
+    with pytest.raises(fm.AnalysisError, match="or a negative mass"):
         fm.frequencies(light_line({40: 1.0}, inertia=-1e-6), count=2, sparse=True)
 
 

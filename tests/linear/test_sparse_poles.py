@@ -202,7 +202,7 @@ def test_what_is_refused():
     # A motion with neither mass nor stiffness, and one of negative mass.
     for mass, inertia, why in (
         (1.0, 0.0, r"no stiffness.*that is b\.y \(1\), a\.rotation"),
-        (1.0, -1e-3, "or negative mass"),
+        (1.0, -1e-3, "or a negative mass"),
     ):
         b = fm.Builder()
         b.node("a", (0.0, 0.0))

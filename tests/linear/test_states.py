@@ -145,13 +145,13 @@ def renamed():
     "<lambda>-TypeError-not a Model",
     "<lambda>-TypeError-must be a Path",
     "<lambda>-IndexError-2 steps",
-    "<lambda>-ValueError-goes with at=",
+    "<lambda>-ValueError-needs at=",
 )
 @pytest.mark.parametrize(
     ("ask", "kind", "words"),
     [
         (lambda m, p: fm.frequencies(m, at=p), ValueError, r"a Path with 2 states\. Choose one by step="),
-        (lambda m, p: fm.frequencies(m, step=1), ValueError, "`step` of fm.frequencies goes with at="),
+        (lambda m, p: fm.frequencies(m, step=1), ValueError, "`step` of fm.frequencies needs at="),
         (lambda m, p: fm.poles(m, at=p, time=0.1), ValueError, "A path has no times"),
         (lambda m, p: fm.modes(m, at=p, step=1, increment=1.0), ValueError, "does not go with at="),
         (lambda m, p: fm.modes(p.linearization(), increment=1.0), ValueError, "does not go with a linearisation"),
@@ -164,7 +164,7 @@ def renamed():
         (lambda m, p: fm.frequencies(thicker(), at=fm.equilibrium(m, increment=0.0)), ValueError, "other dimensions"),
         (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
         (lambda m, p: fm.frequencies(m, at=p, step=9), IndexError, "2 steps"),
-        (lambda m, p: fm.stress(m, step=1), ValueError, "goes with at="),
+        (lambda m, p: fm.stress(m, step=1), ValueError, "needs at="),
     ],
 )
 def test_what_does_not_go_together(pressed, ask, kind, words):
@@ -213,7 +213,7 @@ def test_an_equilibrium_without_its_model_is_refused(pressed):
     model, _ = pressed
     found = fm.equilibrium(model, increment=0.0)
     stored = pickle.loads(pickle.dumps(found))
-    with pytest.raises(TypeError, match="separate from its model and loads"):
+    with pytest.raises(TypeError, match="without its model and loads"):
         fm.frequencies(model, at=stored)
 
     def frequency(scale):

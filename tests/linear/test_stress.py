@@ -668,7 +668,7 @@ def test_refusals():
     assert fm.linear.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
     with pytest.raises(ValueError, match="`points` must be at least 2"):
         fm.linear.section_resultants(model, points=1)
-    with pytest.raises(fm.ModelError, match="has no shape"):
+    with pytest.raises(fm.ModelError, match="without a shape"):
         fm.Rigidity().stress(jnp.zeros(6))
     rigid = fm.Builder()
     rigid.node("a", (0, 0))
@@ -690,7 +690,7 @@ def test_an_element_without_stress_is_left_out():
         b.force("far", (0, 0.1))
         return b.build()
 
-    with pytest.warns(fm.FlexmbWarning, match="section of element 'numbers' .* no shape.* left out"):
+    with pytest.warns(fm.FlexmbWarning, match="section of element 'numbers' .* without a shape.* left out"):
         found = fm.stress(built(LEAF.rigidity()))
     every = fm.stress(built(LEAF))
     assert (found.names, found.left_out) == (("leaf 0", "leaf 1"), ("numbers",))

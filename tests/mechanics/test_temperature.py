@@ -259,13 +259,16 @@ def test_what_temperature_cannot_drive_or_change_is_named():
             r"'leaf0.temperature': the element has no temperature.* temperature\('leaf0', 0.0\)",
         ),
         "arm.temperature": (ramp, "'arm.temperature' is a table, but deformations of the element are FIXED"),
-        "arm.gradient": (lambda t: jnp.stack([t, t]), r"'arm.gradient' must give one number, but gives shape \(2,\)"),
+        "arm.gradient": (
+            lambda t: jnp.stack([t, t]),
+            r"'arm.gradient' must return one number, but returns shape \(2,\)",
+        ),
         "leaf.temperature": (jnp.sin, "'leaf.temperature' names no coordinate"),
     }
     for name, (function, message) in cases.items():
         with pytest.raises(fm.ModelError, match=message):
             fm.simulate(model, [0.0, 1.0], loads={name: function})
-    with pytest.raises(fm.ModelError, match="one number, or 2, one for each end, but gives shape \\(3,\\)"):
+    with pytest.raises(fm.ModelError, match="one number, or 2, one for each end, but returns shape \\(3,\\)"):
         fm.simulate(model, [0.0, 1.0], loads={"arm.temperature": lambda t: t * jnp.ones(3)})
     for coordinate in (1, 2):
         b.prescribe("arm", coordinate, 0.0)
@@ -302,5 +305,5 @@ def test_an_element_of_ones_own_expands_by_its_companion():
     strain = moved - 6e-3
     # Round-off of a force of 3 N that Newton's method leaves.
     np.testing.assert_allclose(100.0 * strain + 4e5 * strain**3, 3.0, rtol=1e-10)
-    with pytest.raises(fm.ModelError, match="Temperature of element 'bar': one of type bar does not bend"):
+    with pytest.raises(fm.ModelError, match="Temperature of element 'bar': an element of type bar does not bend"):
         b.temperature("bar", 1.0, gradient=2.0)

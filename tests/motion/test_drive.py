@@ -113,7 +113,9 @@ def arm():
 @pytest.mark.parametrize("name", ["foot.x", "foot", "foot.phi", "foot.rotation", "leaf.e1"])
 def test_a_load_on_what_is_fixed_is_refused(name):
     size = 2 if name == "foot" else 1
-    with pytest.raises(fm.ModelError, match=f"Load '{name}' acts on something FIXED, where it moves nothing"):
+    with pytest.raises(
+        fm.ModelError, match=f"Load '{name}' acts on a FIXED coordinate or deformation and has no effect"
+    ):
         fm.simulate(arm(), [0, 0.1], loads={name: lambda t: jnp.ones(size)})
 
 

@@ -109,7 +109,7 @@ def test_steps_are_shortened_where_their_ends_do_not_tell_which_event_comes_firs
 @pytest.mark.slow
 def test_a_root_finder_that_fails_is_named(mass):
     event = diffrax.Event(height, optx.Newton(rtol=1e-14, atol=1e-300))
-    with pytest.raises(fm.AnalysisError, match="root finder of `event` did not find when"):
+    with pytest.raises(fm.AnalysisError, match="root finder of `event` did not find its time"):
         fm.simulate(mass, np.linspace(0, 1, 5), event=event)
     found = fm.simulate(mass, np.linspace(0, 1, 5), event=event, throw=False)
     assert found.result == RESULTS.event_not_found

@@ -87,7 +87,7 @@ def test_an_actuator_as_a_function_of_time():
     [
         ({"force": lambda t: 1.0}, "names 'force', which is no input.*force mass.x, stress s.1"),
         ({"force mass.x": 1.0}, "Input 'force mass.x' must be a function of time"),
-        ({"force mass.x": lambda t: jnp.ones(2)}, "must give one number"),
+        ({"force mass.x": lambda t: jnp.ones(2)}, "must return one number"),
         ([1.0], "`inputs` must be a dictionary"),
     ],
 )

@@ -92,7 +92,7 @@ def test_a_jump_by_whose_time_a_motion_is_differentiated_has_to_be_named():
         own = captured(lambda t: function(t, at), as_floats(0.0))
         return len(sudden_changes([own], np.array([0.0, 4.0]), named))
 
-    with pytest.warns(fm.FlexmbWarning, match=r"jumps at t = 1\.29\d* s, .* is zero. To differentiate"):
+    with pytest.warns(fm.FlexmbWarning, match=r"jumps at t = 1\.29\d* s, .* as zero. To differentiate"):
         jax.grad(lambda at: at * looked_at(False, at))(1.3)
     # Named, not differentiated, or a bend alone.
     jax.grad(lambda at: at * looked_at(True, at))(1.3)

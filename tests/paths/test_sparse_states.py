@@ -95,7 +95,7 @@ def test_what_the_path_has_not_is_named(paths):
         (lambda: fm.poles(dense.model, at=sparse, step=1), "give `count`, the number of poles wanted"),
         (lambda: fm.compliance(dense.model, "n1", at=sparse), "Choose one by step="),
         (lambda: fm.frequencies(dense.model, at=sparse, step=1), "give `count`"),
-        (lambda: fm.frequencies(dense.model, count=2, at=sparse, step=1, sparse=False), "sparse=False does not go"),
+        (lambda: fm.frequencies(dense.model, count=2, at=sparse, step=1, sparse=False), "contradicts sparse=False"),
         (lambda: fm.frequencies(arch(), count=2, at=sparse, step=1), "of another model"),
         (lambda: sparse.K0, "has no K0. Use one state"),
         (lambda: sparse.frequencies, "has no frequencies"),
@@ -158,7 +158,7 @@ def stayed(sparse):
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:With factor one, these loads")
+@pytest.mark.filterwarnings("ignore:At load factor 1, these loads")
 def test_laws_with_a_potential():
     dense, sparse = (fm.path(stayed(of), sparse=of, stop={"load_factor": 0.3}) for of in (False, True))
     (critical,) = dense.critical_points

@@ -307,7 +307,7 @@ def test_a_motion_that_would_start_stressed_says_so():
 
     for more in (None, driven):
         bent = fm.path(leaning(more=more), imperfection={1: 1e-3}, sparse=True).model
-        with pytest.warns(fm.FlexmbWarning, match="starts where the nodes were placed"):
+        with pytest.warns(fm.FlexmbWarning, match="starts from the positions of the nodes"):
             fm.simulate(bent, [0.0, 1e-3], increment=lambda t: 0.0)
         given = fm.equilibrium(bent, increment=0.0)
         assert float(given.at("top")[0]) == approx(1e-3, rel=1e-3)

@@ -175,7 +175,7 @@ def test_what_restrains_warping_in_a_file(tmp_path):
     assert fault.startswith(
         "text:1: LEAF: element 1: whether '2' clamps its last end cannot be found, since its section"
     )
-    assert fault.endswith("in a file with CLAMP.")
+    assert fault.endswith("in a file by CLAMP.")
     said = beam.replace("X 1 0 0 0", "CLAMP 1 1 0\nX 1 0 0 0")
     assert roles(said, 2, 4) == [Role.FIXED, Role.DEPENDENT]
     (fault,) = faults(CHAIN.replace("X 1 0 0 0", "CLAMP 1 1 0\nCLAMP 2 1 0\nX 1 0 0 0"))

@@ -74,11 +74,11 @@ def test_a_motion_without_stiffness_is_named(monkeypatch):
     b.fix("n0", "position")
     b.force("n3", (1.0, 0.0))
     # The load turns it nowhere: a solution there is, and no stiffness that says it is the one.
-    with pytest.raises(fm.AnalysisError, match=r"a motion meets no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
+    with pytest.raises(fm.AnalysisError, match=r"a motion has no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
         fm.equilibrium(b.build(check=False), sparse=True)
     # Of many coordinates it is found by sparse factors.
     monkeypatch.setattr(equilibrium, "LARGE", 0)
-    with pytest.raises(fm.AnalysisError, match=r"a motion meets no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
+    with pytest.raises(fm.AnalysisError, match=r"a motion has no stiffness.* resists n0\.rotation\.phi \(1\), n1"):
         fm.equilibrium(b.build(check=False), sparse=True)
 
 

@@ -117,7 +117,7 @@ def test_what_is_refused():
     b.add(planar.beam, "a", "b", section=fm.Rectangle(0.01, 0.001, STEEL))
     b.fix("a", "x", "y")
     b.force("b", (0, 1.0))
-    with pytest.raises(fm.AnalysisError, match="a motion meets no stiffness"):
+    with pytest.raises(fm.AnalysisError, match="a motion has no stiffness"):
         fm.equilibrium(b.build(check=False), sparse=True)
     with pytest.raises(ValueError, match="`count`"):
         fm.frequencies(arm().build(check=False), sparse=True)

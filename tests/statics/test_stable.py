@@ -197,7 +197,7 @@ def test_a_body_on_its_head(height, unstable):
 
 
 def test_equilibria_that_follow_one_another():
-    with pytest.warns(fm.FlexmbWarning, match="Of 4 equilibria 2 are not stable, the first of them number 2: "):
+    with pytest.warns(fm.FlexmbWarning, match="Of 4 equilibria, 2 are not stable, number 2 first: "):
         fm.equilibria(column(6, EULER, EIy=1.0), load_factor=[0.5, 0.99, 1.01, 1.5])
 
 

@@ -75,7 +75,7 @@ def test_an_input_that_moves_a_wall_is_what_the_wall_does(shaken):
 @pytest.mark.slow("law-True")
 @pytest.mark.parametrize(("right", "told"), [(away, False), (law, True)])
 def test_walls_that_one_input_moves_do_so_together_but_for_a_constant_distance(shaken, right, told):
-    expected = pytest.warns(fm.FlexmbWarning, match="Input 'both' moves several held things together")
+    expected = pytest.warns(fm.FlexmbWarning, match="Input 'both' moves several coordinates together")
     with expected if told else warnings.catch_warnings():
         if not told:
             warnings.simplefilter("error")

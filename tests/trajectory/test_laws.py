@@ -140,5 +140,5 @@ def test_wrong_laws_are_refused():
 
 def test_a_law_of_several_numbers_is_refused():
     law = Law(np.array([0.0, 1.0]), np.ones((1, 3, 2)))
-    with pytest.raises(ValueError, match=r"'x' must give one number, but gives shape \(2,\)"):
+    with pytest.raises(ValueError, match=r"'x' must return one number, but returns shape \(2,\)"):
         as_law("Trajectory 'x'", law)
