@@ -33,7 +33,7 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
         other = first.kind
         raise Fault(
             f"{kind.keyword} is {names[kind.dimension]}, but {other.keyword} on line {first.statement.line} is"
-            f" {names[other.dimension]}; a mechanism is one or the other"
+            f" {names[other.dimension]}; a mechanism is either planar or spatial"
         )
     _check_ends(kind, p)
     if p.get("p", 1) > LARGEST_ORDER:
@@ -103,7 +103,7 @@ def section(r: Reading, s: Statement, p: Values) -> None:
     """SECTION: sizes and material of a leaf spring."""
     kind = r.declared(p["element"]).kind
     if not kind.sized:
-        raise Fault(f"{kind.keyword} takes no SECTION, but ESTIFF and EM; LEAF and PLLEAF are made of one")
+        raise Fault(f"{kind.keyword} takes ESTIFF and EM instead of SECTION; SECTION is for LEAF and PLLEAF")
     values = [p[name] for name in SIZES if name in p]
     if all(map(known, values)):
         for fault in rectangle(values).faults():
@@ -115,7 +115,7 @@ def clamp(r: Reading, s: Statement, p: Values) -> None:
     """CLAMP: which ends of a leaf spring are clamped."""
     kind = r.declared(p["element"]).kind
     if not kind.sized:
-        raise Fault(f"{kind.keyword} takes no CLAMP: that says of a LEAF or PLLEAF which of its ends are clamped")
+        raise Fault(f"{kind.keyword} takes no CLAMP: CLAMP states the clamped ends of a LEAF or PLLEAF")
     for name in ("first", "last"):
         if p[name] > 1:
             raise Fault(f"{name} must be 1 for a clamped end or 0 for a free one, but is {p[name]}")
@@ -147,7 +147,8 @@ def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: s
         first = r.roles.get((kind, of, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
             raise Fault(
-                f"{what} {component} has a role already by {first.keyword} on line {first.line}; it can have one only"
+                f"{what} {component} has a role already by {first.keyword} on line {first.line}; only one role is"
+                " allowed"
             )
         if first is not None:
             again.setdefault(component, first)
@@ -170,7 +171,9 @@ def release(r: Reading, s: Statement, p: Values) -> None:
     numbers = _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
     r.builder.release(str(p["element"]), *numbers)
     if r.declared(p["element"]).kind.keyword in ("RBEAM", "PINBODY", "PLRBEAM", "PLPINBODY"):
-        r.warnings.append((s, "deformations of a rigid offset are taken along axes that start global and turn with p"))
+        r.warnings.append(
+            (s, "deformations of a rigid offset are measured along axes that start global and turn with p")
+        )
 
 
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
@@ -200,7 +203,7 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
     kind, values = r.kind_of(p["node"]), p["value"]
     r.entries(p["node"], [], "node")
     if kind.part == "warping":
-        raise Fault("is a warping node, which carries no lumped mass: EM of BEAMW gives Jw as its sixth number")
+        raise Fault("is a warping node and has no lumped mass: the sixth number of EM of BEAMW is Jw")
     wanted = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
     if len(values) != wanted:
         names = "mass" if kind.part == "position" else "J" if kind is ANGLE else "Ixx Ixy Ixz Iyy Iyz Izz"
@@ -232,7 +235,7 @@ def force(r: Reading, s: Statement, p: Values) -> None:
 
 
 # Warning about a line; modes that use velocities and accelerations leave it out.
-RATES_IDLE = "velocity and acceleration are for modes 1 to 6, which go through time; others do not use them"
+RATES_IDLE = "velocity and acceleration are for modes 1 to 6; other modes have no time and do not use them"
 
 
 def start_of(builder: Builder, kind: str, of: int | str, number: int) -> Any:
@@ -287,7 +290,7 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
     if held:
         listed = f"{'deformation' if len(held) == 1 else 'deformations'} {', '.join(map(str, held))}"
-        r.warnings.append((s, f"{listed} of element {of} cannot give way, so that the value there has no effect"))
+        r.warnings.append((s, f"{listed} of element {of} is fixed, so the value has no effect"))
     return values
 
 
@@ -306,7 +309,7 @@ def expansion(r: Reading, s: Statement, p: Values) -> None:
     """ALPHA: coefficient of thermal expansion of an element."""
     kind = r.declared(p["element"]).kind
     if kind.element.thermal is None:
-        raise Fault(f"{kind.keyword} takes no ALPHA: no temperature deforms it")
+        raise Fault(f"{kind.keyword} takes no ALPHA: temperature does not deform it")
     if kind.sized:
         raise Fault(f"{kind.keyword} takes no ALPHA: alpha is the last number of its SECTION")
     _keep(r, s, p, [p["value"]])
@@ -347,7 +350,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
             raise Fault(f"{name} must be positive, but is {p[name]}")
     r.settings[s.keyword] = Setting(s.line, p)
     if s.keyword == "ITERSTEP":
-        r.warnings.append((s, "has no effect: a path (mode 10) finds its own load steps and iterates to round-off"))
+        r.warnings.append((s, "has no effect: a path (mode 10) chooses its load steps and iterates to round-off"))
 
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
@@ -369,7 +372,10 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
     r.warnings.append(
-        (s, "the function is kept in settings and acts in no analysis by itself: hand it to simulate (loads=, motion=)")
+        (
+            s,
+            "the function is stored in settings and has no effect in an analysis: pass it to simulate (loads=, motion=)",
+        )
     )
 
 

@@ -66,7 +66,7 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
         elif not wanted and sign == ")":
             _finish(values, waiting, 1)
             if not waiting:
-                raise ValueError("is no arithmetic: a parenthesis closes that was not opened")
+                raise ValueError("is no arithmetic: a closing parenthesis has no opening one")
             waiting.pop()
         elif not wanted and sign in _BINARY:
             operation = _BINARY[sign]
@@ -134,7 +134,7 @@ def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
 def _finite(value: Any) -> Any:
     """A number that is finite or traced."""
     if not isinstance(value, jax.core.Tracer) and not math.isfinite(value):
-        raise ValueError("has no value: a number in it is too large, or none")
+        raise ValueError("has no value: a number in it is too large or not a number")
     return value
 
 

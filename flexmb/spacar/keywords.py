@@ -109,11 +109,9 @@ DRAWN = (
 
 _LATER = "is not available yet"
 _UNCLEAR = "is refused, since its form is not known; use an element of flexmb through the Python Builder"
-_KINEMATIC = (
-    "is refused: no analysis here holds a degree of freedom out of the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
-)
+_KINEMATIC = "is refused: no analysis excludes a degree of freedom from the dynamic set; use DYNX/DYNE or INPUTX/INPUTE"
 UNKNOWN_MOTION = (
-    "is refused, since its parameters are not known; say where a coordinate goes by TRAJX node coordinate start end"
+    "is refused, since its parameters are not known; give the motion of a coordinate by TRAJX node coordinate start end"
     " value [quintic|septic|scurve], a deformation by TRAJE element deformation start end value [quintic|septic|scurve]"
 )
 _UNKNOWN_TIME = "is refused, since its parameters are not known; "

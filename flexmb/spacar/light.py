@@ -128,7 +128,7 @@ def _linearize(model: Model, step: int, steps: int, initial: float, increment: f
         return linearize(model, load_factor=initial, increment=0.0 if model.parameters.increment is None else increment)
     except AnalysisError as fault:
         at = f"At load step {step} of {steps}, initial loads times {initial:.3g} and the others times {increment:.3g}: "
-        hint = " fm.path(fm.spacar.spacar_light_model(..)) follows the loads past such a point."
+        hint = " fm.path(fm.spacar.spacar_light_model(..)) continues past such a point."
         raise AnalysisError(fault.code, at + str(fault) + hint) from None
 
 
@@ -151,5 +151,5 @@ def _damped(lin: Linearization, ratio: float = 0.0) -> Linearization:
     if ratio == 0.0:
         return lin
     if not lin.matrices.symmetric:
-        raise ModelError("opt.transfer: a damping ratio needs normal modes, which moments in space rule out.")
+        raise ModelError("opt.transfer: a damping ratio needs normal modes, which do not exist with moments in space.")
     return damped(lin, ratio=ratio, elements=False)

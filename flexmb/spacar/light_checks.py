@@ -102,7 +102,10 @@ def _membership(script: Script) -> Iterator[str]:
             if k > len(script.elements):
                 yield f"eprops({number}).elems: there is no element {k}; they are numbered to {len(script.elements)}."
             elif k in script.sets:
-                yield f"Element {k}: is in eprops({script.sets[k]}) and in eprops({number}); a set each."
+                yield (
+                    f"Element {k}: is in eprops({script.sets[k]}) and in eprops({number}); each element belongs to one"
+                    " set."
+                )
             else:
                 script.sets[k] = number
 
@@ -127,7 +130,7 @@ def _set(script: Script, number: int) -> Iterator[str]:
                 f"{where}.{name} has no effect: it is for elements of cshape 'rect' whose torsion, 2, is in flex."
             )
     if "warping" in own and "cw" in own:
-        yield f"{where}: has warping and cw, which count the same effect; leave out cw."
+        yield f"{where}: has warping and cw, which model the same effect; leave out cw."
     if "nbeams" in own and not flex:
         script.warnings.append(f"{where}.nbeams has no effect on rigid elements.")
 
@@ -184,7 +187,10 @@ def _node(script: Script, number: int) -> Iterator[str]:
 
 def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
     if len({axis for axis, _ in turns.values()}) > 1:
-        yield f"{where}: {' and '.join(turns)} turn about several axes; one axis a node, rot takes any."
+        yield (
+            f"{where}: {' and '.join(turns)} turn about several axes; a node has one axis, which may be any axis with"
+            " rot."
+        )
         return
     known = None
     for name, (axis, value) in turns.items():
@@ -195,7 +201,7 @@ def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
             continue
         unit = value[1:] / np.linalg.norm(value[1:])
         if known is not None and not np.allclose(unit, known, rtol=0, atol=SAME_AXIS):
-            yield f"{where}: rot and rot_initial turn about two axes; one axis a node."
+            yield f"{where}: rot and rot_initial turn about two axes; a node has one axis."
         known = unit
 
 
@@ -210,7 +216,7 @@ def _supports(script: Script) -> Iterator[str]:
         turns = {axis for axis, _ in rotations(own).values()}
         count += 3 * ("free" in turns) + len(turns - {"free"})
     if count < 6:
-        yield f"nprops: {count} supports hold the mechanism, but at least 6 are needed; use fix, fix_pos, fix_x .."
+        yield f"nprops: {count} coordinates are fixed, but at least 6 are needed; use fix, fix_pos, fix_x .."
 
 
 def _options(script: Script) -> Iterator[str]:
@@ -223,7 +229,7 @@ def _options(script: Script) -> Iterator[str]:
             )
     yield from faults_of(opt, "opt", "opt.{}:")
     if value_of(opt, "opt", "loadsteps") >= MANY_STEPS:
-        script.warnings.append(f"opt.loadsteps = {opt['loadsteps']}: that many equilibria take a while.")
+        script.warnings.append(f"opt.loadsteps = {opt['loadsteps']}: so many equilibria take long.")
     if "rls" in opt:
         yield from _releases(script)
     if "transfer" in opt:

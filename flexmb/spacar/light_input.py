@@ -97,9 +97,9 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
     nodes, elements, nprops, eprops, opt = _parts(nodes, elements, nprops, eprops, opt).values()
     positions, pairs = _rows(nodes), _rows(elements)
     if positions is None or positions.shape[1] != 3:
-        faults.append(f"nodes: must be one row of x, y and z a node, but is {_seen(nodes, positions)}.")
+        faults.append(f"nodes: must be one row of x, y and z per node, but is {_seen(nodes, positions)}.")
     if pairs is None or pairs.shape[1] != 2 or not are_counts(pairs):
-        faults.append(f"elements: must be one row of two node numbers an element, but is {_seen(elements, pairs)}.")
+        faults.append(f"elements: must be one row of two node numbers per element, but is {_seen(elements, pairs)}.")
     if faults or positions is None or pairs is None:
         raise ModelError("\n".join(faults))
     script, idle = Script(positions, pairs.astype(int), {}, {}, {}, {}, []), []
@@ -108,7 +108,7 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
             fields[number] = read_fields(struct, part, f"{part}({number})", faults, idle)
     script.opt.update(read_fields(opt or {}, "opt", "opt", faults, idle))
     if idle:
-        script.warnings.append(f"Without effect here, since they are for pictures and stresses: {', '.join(idle)}")
+        script.warnings.append(f"No effect here, since they are for pictures and stresses: {', '.join(idle)}")
     if faults:
         raise ModelError("\n".join(faults))
     return script

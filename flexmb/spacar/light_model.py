@@ -73,7 +73,7 @@ def _complete(script: Script, releases: Releases) -> Releases:
 
 
 def _loose(found: Any) -> str:
-    lines = [f"The mechanism is under-constrained, motions held by nothing: {found.underconstraints}."]
+    lines = [f"The mechanism is under-constrained: {found.underconstraints} motions are free."]
     for i in range(found.underconstraints):
         moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))
         parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i))

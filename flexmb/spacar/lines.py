@@ -124,7 +124,7 @@ def read_text(path: str | os.PathLike) -> str:
             raise SpacarError(f"{name}:1: the file is in UTF-{encoding}; save it as UTF-8")
     if b"\0" in content:
         line = content[: content.index(b"\0")].count(b"\n") + 1
-        raise SpacarError(f"{name}:{line}: the file holds a byte of zero, so it is no text in UTF-8 or Latin-1")
+        raise SpacarError(f"{name}:{line}: the file contains a zero byte, so it is no text in UTF-8 or Latin-1")
     content = content.removeprefix(codecs.BOM_UTF8)
     try:
         return content.decode()

@@ -137,4 +137,4 @@ def disagreement(section: Rigidity) -> str:
     other = {"EIy": "EIz", "EIz": "EIy"}
     turned = all(abs(sized[other[n]] / value - 1) <= SIZES_ALIKE for n, value in stated.items())
     hint = ": the first size lies along local y, the second along local z; exchanged they agree" if turned else ""
-    return f"sizes do not go with the stiffness: {values}{hint}; stress follows from the sizes"
+    return f"sizes do not agree with the stiffness: {values}{hint}; stress follows from the sizes"

@@ -111,7 +111,9 @@ def read_spacar(
         raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
     warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
     parameters = placeholders(found)
-    warnings += [f"{name}: parameter '{clean(n)}' is in no line" for n in numbers or {} if n not in parameters]
+    warnings += [
+        f"{name}: parameter '{clean(n)}' does not occur in the file" for n in numbers or {} if n not in parameters
+    ]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 
 
@@ -204,7 +206,9 @@ class _Blocks:
                     yield row, s
         if found and self.ends < 2:
             last = Statement(found[-1].line, "END", "END")
-            self.reading.warnings.append((last, f"{2 - self.ends} END missing at the end; read as if it stood there"))
+            self.reading.warnings.append(
+                (last, f"{2 - self.ends} END missing at the end; flexmb reads the file as if it were there")
+            )
 
     def _row(self, s: Statement) -> Row | None:
         if s.keyword in ("END", "HALT"):
@@ -216,7 +220,7 @@ class _Blocks:
         if s.keyword in REFUSED or (s.keyword.startswith("TR") and not _homes(s.keyword)):
             raise Fault(REFUSED.get(s.keyword, UNKNOWN_MOTION))
         if self.drawing:
-            raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but stands in the visualization section")
+            raise Fault(f"belongs in the {_homes(s.keyword)[0]} block, but is in the visualization section")
         if self.ends and _homes(s.keyword):
             self._resume(s)
         return _row(s, BLOCKS[self.block])
@@ -224,7 +228,7 @@ class _Blocks:
     def _end(self) -> None:
         self.ends += 1
         if self.ends > 2 and not self.drawing:
-            raise Fault("stands after the last END; a file ends with END END")
+            raise Fault("comes after the last END; a file ends with END END")
 
     def _halt(self, s: Statement) -> None:
         if self.block + 1 == len(BLOCKS):
@@ -237,7 +241,7 @@ class _Blocks:
         """Continue after END as if HALT stood there: one missing line is one fault."""
         later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
         if self.ends > 1 or not later:
-            raise Fault("stands after END; only HALT and a later block, or a VISUALIZATION section, may follow")
+            raise Fault("comes after END; only HALT and a later block, or a VISUALIZATION section, may follow")
         self.faults.blame(s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
         self.block, self.ends = later[0], 0
 
@@ -269,7 +273,7 @@ def _row(s: Statement, block: str) -> Row:
     if (s.keyword, block) in TABLE:
         return TABLE[s.keyword, block]
     if homes := _homes(s.keyword):
-        raise Fault(f"belongs in the {homes[0]} block, but stands in the {block} block; END, HALT lie between them")
+        raise Fault(f"belongs in the {homes[0]} block, but is in the {block} block; END, HALT separate the blocks")
     near = _near(s.keyword)
     raise Fault("unknown keyword" + (f"; did you mean {near}?" if near else ""))
 
@@ -310,7 +314,7 @@ def _build(r: Reading, faults: _Faults) -> None:
             # Any place apart from the others, to find further faults of its elements.
             r.positions.setdefault(number, [float(number) ** (i + 1) for i in range(kind.size)])
         if number not in r.positions:
-            r.warnings.append((line, f"node {number} has no X and stands at the origin"))
+            r.warnings.append((line, f"node {number} has no X and is placed at the origin"))
         r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
     for number, declared in r.elements.items():
         kind, lines = declared.kind, r.lines.get(number, {})
@@ -358,7 +362,7 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
         p, q = (r.builder.nodes[str(n)].start for n in (declared.nodes[0], declared.nodes[-1]))
         if all(map(known, (*p, *q))) and not np.linalg.norm(np.subtract(q, p)):
             pin = "PINBODY" if declared.kind.dimension == 3 else "PLPINBODY"
-            raise Fault(f"has zero length: its two ends have the same position; {pin} ties coincident nodes")
+            raise Fault(f"has zero length: its two ends have the same position; {pin} joins coincident nodes")
 
 
 def _check_clamps(r: Reading, faults: _Faults) -> None:
@@ -379,13 +383,13 @@ def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[
     rigid = all(role is Role.FIXED for role in member.roles)
     given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in lines]
     if kind.element is spatial.screw and member.roles[1] is Role.FIXED:
-        yield f"the turn of screw {number}, deformation 2, is fixed; RLSE, DYNE or INPUTE of it lets it turn"
+        yield f"the turn of screw {number}, deformation 2, is fixed; release it by RLSE, DYNE or INPUTE"
     if kind.sized and all(member.roles[n - 1] is Role.FIXED for field in member.element.fields for n in field):
         numbers = " ".join(map(str, range(1, series.closure(member.element) + 1)))
-        yield f"element {number} is rigid: RLSE {number} {numbers} makes a leaf spring of it that deforms freely"
+        yield f"element {number} is rigid: RLSE {number} {numbers} makes it a leaf spring that deforms freely"
     free = any(role in (Role.DEPENDENT, Role.DOF) for role in member.roles)
     if free and "EM" in lines and kind.stiffness and "ESTIFF" not in given:
-        yield f"element {number} has mass and gives way, but has no ESTIFF: it has no stiffness"
+        yield f"element {number} has mass and free deformations, but no ESTIFF: it has no stiffness"
     if given and rigid:
         numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
         yield (
@@ -398,7 +402,10 @@ def _warn_of_expansion(r: Reading) -> None:
     """Warn of ALPHA at constant temperature."""
     for number, lines in r.lines.items():
         if "ALPHA" in lines and ("TEMP", number) not in r.given and ("DELTEMP", number) not in r.given:
-            text = f"of element {number} changes nothing: TEMP {number} value or DELTEMP {number} value warms it"
+            text = (
+                f"of element {number} has no effect without a temperature: TEMP {number} value or DELTEMP {number}"
+                " value"
+            )
             r.warnings.append((r.given["ALPHA", number], text))
 
 
@@ -407,7 +414,7 @@ def _warn_of_drawing(r: Reading) -> None:
     if r.drawn:
         named = [f"{clean(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
-        text = f"drawing keywords are kept in settings and have no effect on results: {', '.join(named)}"
+        text = f"drawing keywords are stored in settings and have no effect on results: {', '.join(named)}"
         r.warnings.append((r.drawn[0], text))
 
 

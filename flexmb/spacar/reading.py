@@ -131,7 +131,7 @@ class Reading:
             return self.nodes[number][0]
         if number in self.excused:
             raise AlreadyReported
-        raise Fault(f"node {number} is in no element; a node exists by being named in one ({_listed(self.nodes)})")
+        raise Fault(f"node {number} is in no element; a node exists if an element names it ({_listed(self.nodes)})")
 
     def declared(self, number: int) -> Declared:
         """An element by its number."""
@@ -167,8 +167,8 @@ class Reading:
         """Refuse a value or a role for the warping of a leaf spring's end."""
         if kind == "element" and component in series.warping(self.builder.members[str(of)].element):
             raise Fault(
-                f"deformation {component} of {self.declared(of).kind.keyword} is the warping of an end, which what is"
-                " joined there holds, or CLAMP; where it is free it is a degree of freedom by itself"
+                f"deformation {component} of {self.declared(of).kind.keyword} is the warping of an end: joined parts or"
+                " CLAMP constrain it; otherwise it is a separate degree of freedom"
             )
 
     def single(self, of: int, component: int, kind: str) -> None:

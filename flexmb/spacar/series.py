@@ -98,7 +98,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
         if len(fields[k]) > 1:
             add(fields[k][1], sign * slope * (q - p))
         elif known(p - q) and not math.isclose(p, q):
-            raise ValueError(f"values {at_p} and {at_p + 1} differ: a bending that varies needs p from 2")
+            raise ValueError(f"values {at_p} and {at_p + 1} differ: bending that varies needs p of at least 2")
     return {n: v for n, v in found.items() if not known(v) or v != 0}
 
 

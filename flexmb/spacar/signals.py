@@ -48,7 +48,7 @@ def place_of(r: Reading, s: Statement, p: dict[str, Any]) -> tuple[str, int, int
     node = r.kind_of(of)
     if node is not ROTATION3:
         has = "1" if node.size == 1 else f"1 to {node.size}"
-        raise Fault(f"{component} is an axis of a rotation in space, which node {of} is not; its coordinate is {has}")
+        raise Fault(f"{component} is an axis of a rotation in space, but node {of} is none; its coordinate is {has}")
     r.entries(of, [1], kind)
     return kind, of, 1, TURNS.index(component)
 
@@ -69,12 +69,13 @@ def signal(r: Reading, s: Statement, p: dict[str, Any]) -> None:
             raise Fault(f"{what} {component} is an Euler parameter of a rotation in space: name an axis, rx, ry or rz")
         r.warnings.append((s, EULER[side]))
     if moves and not held:
-        raise Fault(f"{what} {word} is not held, so that it moves by itself; INPUTF and INPUTS are what acts on it")
+        raise Fault(f"{what} {word} is free to move; act on it by INPUTF or INPUTS")
     if quantity == "reaction" and not held:
-        raise Fault(f"{what} {word} is not held, so that no support acts there; name one that is fixed or prescribed")
+        raise Fault(f"{what} {word} is free, so no support acts there; name one that is fixed or prescribed")
     if side == "input" and kind == "node" and not moves and held:
         raise Fault(
-            f"{what} {word} is held, so that a force on it does nothing; let it act on one that moves, or move it: INX"
+            f"{what} {word} is fixed or prescribed, so a force on it has no effect; let it act on one that moves, or"
+            " move it: INX"
         )
 
     def add():

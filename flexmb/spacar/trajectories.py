@@ -34,8 +34,8 @@ def leg(r: Reading, s: Statement, p: dict[str, Any]) -> None:
     (role,) = r.entries(of, [component], kind)
     if role not in (Role.PRESCRIBED, Role.DOF):
         raise Fault(
-            f"{what} {component} is {'held' if role is Role.FIXED else 'calculable'}, so that it cannot be led: name it"
-            f" with INPUT{letter} or DYN{letter} in the kinematics block"
+            f"{what} {component} is {'held' if role is Role.FIXED else 'calculable'}, so it cannot follow a trajectory:"
+            f" name it with INPUT{letter} or DYN{letter} in the kinematics block"
         )
     start, end, law = p["start"], p["end"], p.get("law", LAWS[0]).lower()
     if law not in LAWS:
@@ -49,8 +49,8 @@ def leg(r: Reading, s: Statement, p: dict[str, Any]) -> None:
         times = (start, end, other.start, other.end)
         if other[:2] == (of, component) and all(map(known, times)) and start < other.end and other.start < end:
             raise Fault(
-                f"{what} {component} is on its way from {other.start} s to {other.end} s already by line {other.line};"
-                " lines follow each other in time"
+                f"{what} {component} moves from {other.start} s to {other.end} s already by line {other.line}; lines"
+                " must follow each other in time"
             )
     legs.append(Leg(of, component, start, end, p["value"], law, s.line))
     r.given.setdefault((s.keyword, of, component), s)
@@ -67,7 +67,7 @@ def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
         r.not_warping(of, component, kind)
         if all(role is Role.FIXED for role in r.entries(of, [component] if axis is None else [1, 2, 3, 4], kind)):
             what = "coordinate" if kind == "node" else "deformation"
-            raise Fault(f"{what} {word} is held, so that nothing can drive it; let the input act on one that moves")
+            raise Fault(f"{what} {word} is fixed, so nothing can drive it; let the input act on one that moves")
     kept = Channel(p["number"], of, word, s.line)
     r.signals[side_of(s.keyword)][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(kept)
 
@@ -90,7 +90,7 @@ def check(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
         for number, of, component, _ in r.settings.get(keyword, []):
             role = None if component in AXES else r.entries(of, [component], kind)[0]
             if role is Role.PRESCRIBED and (way, of, component) not in r.given:
-                text = f"is prescribed and goes nowhere, so that nothing is driven: say where it goes with {way}"
+                text = f"is prescribed without a motion, so nothing is driven: give its motion by {way}"
                 blame(r.signals["nominal input"][number][0], text, "number")
 
 

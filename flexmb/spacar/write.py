@@ -97,7 +97,7 @@ class _Nodes(dict[str, int]):
         if name.endswith(".warping"):
             raise ModelError(
                 f"'{name}' has a role, a load or a signal, but a SPACAR input file has no number for warping. Leave it"
-                " out: free warping is a degree of freedom by itself, and `clamped` of the element holds it."
+                " out: free warping is a separate degree of freedom, and `clamped` of the element constrains it."
             )
         raise ModelError(
             f"'{name}' contains coordinates of an element, for which a SPACAR input file has no number. Name the"
@@ -230,7 +230,7 @@ class _Writer:
         if sheared and not all(is_zero(getattr(section.rigidity(), n)) for n in sheared):
             without.append("shear")
         if without:
-            damped = f"{what} is damped by its material, its {' and its '.join(without)} too"
+            damped = f"{what} is damped by its material and its {' and its '.join(without)} too"
             raise _inexpressible(damped, ": give `damping`")
 
     def _check_leaf(self, what: str, m: Member) -> None:

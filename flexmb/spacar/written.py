@@ -26,7 +26,7 @@ def text_of(line: WrittenLine | str) -> str:
     for value in line.values:
         if not isinstance(value, int | str) and not within(value):
             size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
-            raise ModelError(f"'{clean(text)}' cannot stand in a SPACAR input file: numbers there are {size}.")
+            raise ModelError(f"'{clean(text)}' cannot be written to a SPACAR input file: numbers must be {size}.")
     return text
 
 

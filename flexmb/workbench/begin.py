@@ -20,7 +20,7 @@ class TakenError(OSError):
 
     def __init__(self, path: Path, address: str | None):
         where = f": {address}" if address else ""
-        super().__init__(f"'{clean(path.name)}' is open in another workbench already{where}")
+        super().__init__(f"'{clean(path.name)}' is already open in another workbench{where}")
         self.address = address
 
 

@@ -130,9 +130,9 @@ class Arguments:
     def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
         kind = field["kind"]
         if not isinstance(value, str) and kind not in ("number", *LISTS):
-            raise EditError(address, f"This is a list. One {kind} is wanted here.")
+            raise EditError(address, f"This is a list. Give one {kind}.")
         if isinstance(value, list) and kind != "weights" and any(not isinstance(text, str) for text in value):
-            raise EditError(address, "This is a list of lists. A list of texts is wanted here.")
+            raise EditError(address, "This is a list of lists. Give a list of texts.")
         if kind == "number":
             return self._number(field, address, value)
         if kind == "vector":
@@ -194,9 +194,9 @@ class Arguments:
         found = {}
         for k, pair in enumerate(value):
             if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
-                raise EditError(f"{address}/{k}", "Each part has its name and its factor.")
+                raise EditError(f"{address}/{k}", "Each part needs a name and a factor.")
             if pair[0] in found:
-                raise EditError(f"{address}/{k}/0", f"'{clean(pair[0])}' is there twice: give the sum of its factors.")
+                raise EditError(f"{address}/{k}/0", f"'{clean(pair[0])}' is given twice: give the sum of its factors.")
             found[pair[0]] = self._one(f"{address}/{k}/1")
         return found
 

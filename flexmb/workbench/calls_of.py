@@ -96,7 +96,9 @@ class Calls:
         element, name = element_type(given["element"]), given["name"]
         call = self._elements.get(element.usual)
         if call is None:
-            self.left_out.append(f"element '{clean(name)}': its type '{clean(element.name)}' is a function of your own")
+            self.left_out.append(
+                f"element '{clean(name)}': its type '{clean(element.name)}' is a user-defined function"
+            )
             return
         member = self.builder.members[name]
         args: dict[str, Any] = {"nodes": shortest(element, [n for n in member.nodes if n != f"{name}.internal"])}

@@ -23,7 +23,7 @@ def copy(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     """``{"op": "copy", "ids", "by": [texts], "count"?: 1}``: copies with their nodes, each moved further."""
     by, count = checked_value("", op["by"]), as_whole(op.get("count", 1))
     if not isinstance(by, list) or len(by) != document.dimension:
-        raise EditError("", f"Copies are moved by {document.dimension} numbers.")
+        raise EditError("", f"Give the displacement of copies as {document.dimension} numbers.")
     if count is None or not 1 <= count <= MOST_COPIES:
         raise EditError("", f"The number of copies is {clean(op.get('count'))}. It must be from 1 to {MOST_COPIES}.")
     chosen, ids = selected(document, op["ids"]), []

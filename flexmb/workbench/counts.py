@@ -106,7 +106,7 @@ def count(builder: Builder) -> Count:
             return Count("failed", str(fault), quick_numbers(builder), parts=parts, drawn=_unchecked(builder))
     numbers, faults = model.counts(), _of_loose(parts)
     named = tuple(model.q_labels)
-    exact = f"{counted(len(named), 'degree')} of freedom, and nothing is over-constrained."
+    exact = f"{counted(len(named), 'degree')} of freedom, and no over-constraint."
     return Count(
         "loose" if faults else "ok",
         " ".join(faults) or exact,
@@ -154,7 +154,7 @@ def _release_of(found: Mobility) -> str:
     if not releases:
         return "Only rigid elements take part. Replace one by a flexible or a pinned one."
     left = len(found.release) - len(releases)
-    more = f" {counted(left, 'state')} more lie between rigid elements alone." if left else ""
+    more = f" {counted(left, 'state')} more involve only rigid elements." if left else ""
     return f"Release {', and '.join(releases)}.{more}"
 
 

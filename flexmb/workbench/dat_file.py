@@ -82,7 +82,7 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
     title = path.stem if path.stem.isprintable() else "mechanism"
     document, left_out = document_of(read, values, title=title) if names else document_of(read(), title=title)
     unused = [name for name in beside if name not in values]
-    notes += [f"'{clean(name)}' of the study stands nowhere in {clean(path.name)}" for name in unused]
+    notes += [f"'{clean(name)}' of the study does not occur in {clean(path.name)}" for name in unused]
     notes += [text for text in warnings if "drawing keywords are kept" not in text]
     return document, [*notes, *left_out]
 
@@ -151,7 +151,7 @@ def changed(document: Document) -> list[str]:
     found, free = [], set(free_names(document))
     if derived := [name for name in document.names if name not in free]:
         names = ", ".join(derived)
-        found.append(f"names that follow from others, {names}: their arithmetic stands where they are used")
+        found.append(f"names that follow from others, {names}: their arithmetic is written where they are used")
     if shapes := _named(document, "section", _is_other_section):
         found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION")
     if materials := _named(document, "material", lambda thing, _: not set(thing["args"]) <= PLAIN_MATERIAL):
@@ -254,7 +254,7 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
         while line.keyword in ("ESTIFF", "EM", "EDAMP") and len(words) > 2 and words[-1] == "0.0":
             words.pop()
         lines.append(" ".join([line.keyword, *words]))
-    how = "follows from names by more than + - * / **, and stays as it is"
+    how = "follows from names by more than + - * / ** and stays unchanged"
     return lines, [f"number {n} of {keyword} {listed(of)} {how}" for (keyword, n), of in lost.items()]
 
 

@@ -84,7 +84,7 @@ def free_name(document: Document, call: Call, address: str, name: Any, but: str 
     checked_text(address, name)
     other = document.known.by_space.get(call.makes, {}).get(name)
     if other not in (None, but):
-        raise EditError(address, f"There is {what.lower()} '{clean(name)}' already. Give each a name of its own.")
+        raise EditError(address, f"{what} '{clean(name)}' exists already. Give each a different name.")
     return name
 
 
@@ -208,7 +208,7 @@ def rename(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     new = free_name(document, call, f"{id}/name", to, but=id)
     known = document.known
     if call.makes == "node" and new in known.made:
-        raise EditError(f"{id}/name", f"There is a node '{clean(new)}' already. Give each a name of its own.")
+        raise EditError(f"{id}/name", f"Node '{clean(new)}' exists already. Give each a different name.")
     things = []
     for other in document.things:
         if other["id"] == id:
@@ -224,7 +224,7 @@ def _rename_number(document: Document, old: Any, new: Any) -> tuple[Document, Re
     if old not in document.names:
         raise EditError(f"names/{clean(old)}", f"There is no name '{clean(old)}'.")
     if new in document.names and new != old:
-        raise EditError(f"names/{old}", f"There is a name '{new}' already. Give each number a name of its own.")
+        raise EditError(f"names/{old}", f"Name '{new}' exists already. Give each number a different name.")
     names = {}
     for name, entry in document.names.items():
         follows = {key: renamed(text, old, str(new)) for key, text in entry.items()}

@@ -40,7 +40,7 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
     """
     if not callable(source) or isinstance(source, Builder):
         if names:
-            raise TypeError("Names need a function that builds a mechanism of them, as in edit(function, t=1e-3).")
+            raise TypeError("Names need a function that builds a mechanism from them, such as edit(function, t=1e-3).")
         known = Calls(_builder_in(source))
         left_out = known.left_out + _made_otherwise(known.builder) + _settings_of(source) + _names_of(source)
         return _document(source, known, list(map(text_of, known.numbers)), {}, title), left_out
@@ -118,9 +118,9 @@ def _made_otherwise(builder: Description) -> list[str]:
     found, replayed = [], _contents(twin)
     for part, contents in _contents(builder).items():
         same, word = replayed[part], part.removesuffix("s")
-        found += [f"{part} that no call of the Builder has made"] if contents.keys() != same.keys() else []
+        found += [f"{part} that was not made by a call of the Builder"] if contents.keys() != same.keys() else []
         changed = [key for key in contents if key in same and not _equal(contents[key], same[key])]
-        found += [f"what was changed of {word} '{clean(key)}' beside the calls of the Builder" for key in changed]
+        found += [f"changes of {word} '{clean(key)}' that were not made by calls of the Builder" for key in changed]
     return found
 
 

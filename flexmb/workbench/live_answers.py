@@ -58,7 +58,7 @@ class Wants:
         known = [field.name for field in dataclasses.fields(self)]
         for name, value in changes.items():
             if name not in known:
-                raise ValueError(f"There is no want '{name}'; there are {', '.join(known)}.")
+                raise ValueError(f"There is no question '{name}'; there are {', '.join(known)}.")
             if name == "mode":
                 check_whole("mode", value, 0)
             elif name == "state":

@@ -61,7 +61,7 @@ class OpenFile:
         """Report edits that came from a journal."""
         if self.recovered:
             count = len(self.history.undo_labels)
-            summary = f"{count} unsaved {'step' if count == 1 else 'steps'} came back."
+            summary = f"{count} unsaved {'step' if count == 1 else 'steps'} recovered."
             name = "the new mechanism" if self.path is None else self.path.name
             self._tell({"tell": "file", "changed": False, "recovered": True, "name": name, "summary": summary})
 

@@ -52,21 +52,31 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
         _number("high", "Hz", "", "Highest frequency; follows from the poles by default."),
     ],
     "trajectory": lambda document: [
-        _choice("coordinate", _coordinates(document), "Prescribed; default the one degree of freedom.", must=True),
+        _choice(
+            "coordinate",
+            _coordinates(document),
+            "Prescribed coordinate; by default the only degree of freedom.",
+            must=True,
+        ),
         _number("by", "m, rad", "0.001", "Displacement from the present position.", optional=False),
         _number("duration", "s", "0.5", "Duration of the displacement.", optional=False),
         _choice("law", ["quintic", "septic", "scurve"], "Motion law.", "quintic"),
     ],
     "stroke": lambda document: [
-        _choice("coordinate", _coordinates(document), "Driven; default the one input or degree of freedom.", must=True),
+        _choice(
+            "coordinate",
+            _coordinates(document),
+            "Driven coordinate; by default the only input or degree of freedom.",
+            must=True,
+        ),
         _number("to", "m, rad", "0.001", "Stroke to each side.", optional=False),
         _number("steps", "", "4", "Number of strokes to each side.", whole=True),
         _choice("node", list(positions(document)), "Node for the support stiffness."),
     ],
     "names": lambda document: [
         _choice("name", free_names(document), "Dimension that varies.", must=True),
-        _number("low", "", "", "First value; default its lower bound, or half of it."),
-        _number("high", "", "", "Last value; default its upper bound, or twice it."),
+        _number("low", "", "", "First value; by default the lower bound, or half of the value."),
+        _number("high", "", "", "Last value; by default the upper bound, or twice the value."),
         _number("points", "", "41", "Number of values.", whole=True),
     ],
 }
@@ -83,9 +93,9 @@ def missing(need: str, document: Document) -> str | None:
         return "Nothing moves it: add a force, gravity or a start value, or prescribe a coordinate."
     if need == "signals":
         if not names & {"input", "actuator"}:
-            return "There is no input: add one where it is driven."
+            return "There is no input: add one at the driven place."
         if not names & {"output", "sensor"}:
-            return "There is no output: add one where it is measured."
+            return "There is no output: add one at the measured place."
     if need == "names" and not free_names(document):
         return "There is no name to vary: write a name, such as t, instead of a number."
     return None

@@ -107,7 +107,7 @@ class _Script:
         problems = {f"{called(things, p['address'])}: {p['message']}" for p in self.built.problems}
         reported = {p["address"].partition("/")[0] for p in self.built.problems}
         others = [id for id in self.built.skipped if id not in reported]
-        problems |= {f"{called(things, id)}: what it refers to is left out" for id in others}
+        problems |= {f"{called(things, id)}: the thing that it refers to is left out" for id in others}
         return [f"# Left out: {clean(' '.join(text.split()))}" for text in sorted(problems)] + [""] * bool(problems)
 
     def _derived(self) -> list[str]:

@@ -81,7 +81,7 @@ class _Tuning:
         model = self._model()
         idle = [key for key in self.keys if _is_of_loads(key)]
         if idle and not has_loads(model.topology, model.parameters):
-            raise ValueError(f"No load acts, and so there is no {idle[0]}. Add a force, a moment or gravity.")
+            raise ValueError(f"No load acts, so there is no {idle[0]}. Add a force, a moment or gravity.")
         self.traced: Traced = traced(document, model, self.keys, node)
         self.answers = self.traced.at(document)
         self.everything = np.array([names[name] for name in self.traced.names])
@@ -174,7 +174,7 @@ class _Tuning:
         if code != RESULTS.successful or not np.all(np.isfinite(values)):
             why = RESULTS(code) if code != RESULTS.successful else RESULTS.not_finite
             names = ", ".join(key for key, v in zip(self.keys, values, strict=True) if not np.isfinite(v))
-            raise ModelError(f"{names or 'A target'} has no value now, from which to begin: {why.message}")
+            raise ModelError(f"{names or 'A target'} has no value now, so the search cannot begin: {why.message}")
         if self.missed(values) <= 0:
             return
         self._refuse_without_effect(values, slopes)
@@ -272,7 +272,7 @@ class _Tuning:
             if want not in bad and want.missed(by_key[want.key]) > -TARGET_AGAINST:
                 limits.append(f"{want} stands against it")
         if len(bad) > 1:
-            limits.append("they stand against each other")
+            limits.append("they contradict each other")
         if self.failed is not RESULTS.successful and not limits:
             limits.append(f"further designs have no answer: {self.failed.message}")
         why = "; ".join(limits) or "no small change of a dimension brings it nearer"

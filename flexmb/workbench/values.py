@@ -101,7 +101,7 @@ def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
         if name in document.names:
             raise ValueError(f"'{clean(text)}' needs '{clean(name)}', which has no value.")
         known = f"names are: {', '.join(map(clean, document.names))}" if document.names else "there are no names yet"
-        raise ValueError(f"'{clean(text)}' asks for '{clean(name)}', but there is no such name; {known}.")
+        raise ValueError(f"'{clean(text)}' needs '{clean(name)}', but there is no such name; {known}.")
     try:
         return value_of(text, values)
     except ValueError as fault:

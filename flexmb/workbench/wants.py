@@ -111,7 +111,7 @@ def checked_free(document: Document, free: Sequence[str]) -> list[str]:
             raise ValueError(f"There is no name '{clean(name)}' to change.")
         if name not in known:
             text = clean(document.names[name]["value"])
-            raise ValueError(f"'{clean(name)}' is '{text}': it follows from others. Choose from {listed(known)}.")
+            raise ValueError(f"'{clean(name)}' is '{text}': it follows from other names. Choose from {listed(known)}.")
     if not known:
         raise ValueError("No dimension may change. Write a name, such as t, instead of a number, and give it a value.")
     return list(dict.fromkeys(free)) or known

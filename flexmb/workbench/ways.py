@@ -62,7 +62,7 @@ class Ways:
             return {**empty, "status": status, "message": message, "words": []}
 
         value = found.values.get(key, {}).get("value")
-        why = _meaningless(key, found) if value is not None else f"There is no {key} here, and so no sensitivity of it."
+        why = _meaningless(key, found) if value is not None else f"There is no {key} here, so it has no sensitivity."
         if value is None or why:
             return without("failed", why)
         kind = _kind(document, found, key)
@@ -250,7 +250,7 @@ def _meaningless(key: str, found: Answers) -> str:
             others = ", ".join(f"{word} {i + 1}" for i in near)
             return f"{key.capitalize()} is repeated, as {others}: alone it has no derivative."
     if word in ("displacement", "stress") and not found.values[key]["value"]:
-        return f"There is no {key}, and so no sensitivity of it."
+        return f"There is no {key}, so it has no sensitivity."
     return ""
 
 

@@ -590,7 +590,7 @@ def test_warnings_stand_before_the_answer(command, study):
     study.write_text(STUDY.replace("w = 0.018\n", "w = 0.018\nq = 1\n"))
     result = call(command, study)
     assert result.exit_code == 0
-    assert result.stdout.splitlines()[0] == "warning: guide.dat: parameter 'q' is in no line"
+    assert result.stdout.splitlines()[0] == "warning: guide.dat: parameter 'q' does not occur in the file"
 
 
 COLUMN = """PLBEAM 1 1 2 3 4

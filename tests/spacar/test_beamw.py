@@ -128,7 +128,11 @@ def test_what_a_build_finds_is_written(tmp_path):
             "ESTIFF: element 2: BEAMW takes at most 7 numbers (EA, GIt, EIy, EIz, shear_z, shear_y, EIw), but 8",
         ),
         ("3e-12\nEM 2", "3e-12 1\nEM 2", "EM: element 1: BEAMW takes at most 6 numbers (mass, Jx, Jy, Jz, Jyz, Jw)"),
-        ("XM 7 0.1\n", "XM 7 0.1\nXM 6 1\n", "XM: node 6: is a warping node, which carries no lumped mass: EM of"),
+        (
+            "XM 7 0.1\n",
+            "XM 7 0.1\nXM 6 1\n",
+            "XM: node 6: is a warping node and has no lumped mass: the sixth number of EM of",
+        ),
         ("XM 7 0.1\n", "XM 7 0.1\nXF 6 1 2\n", "XF: node 6: warping node takes at most 1 components, but 2 are given"),
     ],
 )

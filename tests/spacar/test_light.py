@@ -452,11 +452,14 @@ FAULTS = {
     "no axis": ({"node": {"rot": [1, 0, 0, 0]}}, "Node 3: rot must be [angle, ax, ay, az] with an axis that is not"),
     "supports": (
         {"nprops": {1: {"fix_pos": 1}, 5: {"fix_x": 1}}},
-        "nprops: 4 supports hold the mechanism, but at least 6",
+        "nprops: 4 coordinates are fixed, but at least 6",
     ),
     "output": ({"node": {"transfer_out": "rot_x"}}, "Node 3: transfer_out must be some of displ_x, displ_y"),
     "no output": ({"node": {"transfer_in": "force_x"}, "opt": {"transfer": 1}}, "opt.transfer: needs an input"),
-    "in two sets": ({"sets": {2: {"elems": [1, 4]}}}, "Element 1: is in eprops(1) and in eprops(2); a set each."),
+    "in two sets": (
+        {"sets": {2: {"elems": [1, 4]}}},
+        "Element 1: is in eprops(1) and in eprops(2); each element belongs to one set.",
+    ),
     "unknown element": ({"sets": {2: {"elems": 7}}}, "eprops(2).elems: there is no element 7; they are numbered to 4."),
     "flex": ({"sets": {1: {"flex": [2, 7]}}}, "eprops(1).flex: must be some of 1 to 6, each once, but is [2, 7]."),
     "no modulus": ({"sets": {3: {"flex": [1]}}}, "eprops(3): flexible elements need emod, smod too."),
@@ -470,13 +473,16 @@ FAULTS = {
         {"opt": {"rls": {1: [5]}}},
         "opt.rls(1): must be some of the flex of element 1 ([2, 3, 4]), but",
     ),
-    "nodes": ({"nodes": "abc"}, "nodes: must be one row of x, y and z a node, but is 'abc'."),
+    "nodes": ({"nodes": "abc"}, "nodes: must be one row of x, y and z per node, but is 'abc'."),
     "ragged nodes": (
         {"nodes": [[0, 0, 0], [1]]},
-        "nodes: must be one row of x, y and z a node, but is [[0, 0, 0], [1]].",
+        "nodes: must be one row of x, y and z per node, but is [[0, 0, 0], [1]].",
     ),
-    "elements": ({"elements": [["a", "b"]]}, "elements: must be one row of two node numbers an element, but is [['a'"),
-    "endless elements": ({"elements": [[1, 10**400]]}, "elements: must be one row of two node numbers an element, but"),
+    "elements": ({"elements": [["a", "b"]]}, "elements: must be one row of two node numbers per element, but is [['a'"),
+    "endless elements": (
+        {"elements": [[1, 10**400]]},
+        "elements: must be one row of two node numbers per element, but",
+    ),
     "node far away": ({"nodes": [*GUIDE[0][:4], [1e300, 0, 0]]}, "Node 5: its position must be finite numbers, 0 or"),
     "no structures": (
         {"nprops": "fix"},
@@ -500,7 +506,7 @@ FAULTS = {
     "release by a word": ({"opt": {"rls": {1: "x"}}}, "opt.rls(1): must be numbers of deformations, but is 'x'."),
     "no releases": ({"opt": {"rls": 5}}, "opt.rls: must be a StructArray, a dictionary by number or a list, but is 5."),
     "damping": ({"opt": {"transfer": [True, np.nan]}}, "opt.transfer: must be true, or [true, damping ratio], but is"),
-    "warping twice": ({"sets": {1: {"cw": 1, "warping": 1}}}, "eprops(1): has warping and cw, which count the same"),
+    "warping twice": ({"sets": {1: {"cw": 1, "warping": 1}}}, "eprops(1): has warping and cw, which model the same"),
 }
 
 

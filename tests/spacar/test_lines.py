@@ -258,7 +258,7 @@ NUMBERS = {
     "USERSIG \x1b[31m": r"USERSIG: needs the user routine '\x1b[31m'",
     "TIMENORM 1": "TIMENORM: element 1: is refused, since its parameters are not known; start and end of TRAJX and",
     "TUBE 3 1 2 3 4": "TUBE: element 3: element type is not available yet",
-    "TROT 2 1 0 1 1": "TROT: element 2: is refused, since its parameters are not known; say where a coordinate goes",
+    "TROT 2 1 0 1 1": "TROT: element 2: is refused, since its parameters are not known; give the motion of a coordinate",
 }
 
 
@@ -287,7 +287,7 @@ def test_the_largest_and_the_smallest_number(value, tmp_path):
 def test_a_number_that_is_not_read_is_not_written(value, tmp_path):
     read = fm.read_spacar(TRUSS)
     read.builder.prestress("1", value)
-    with pytest.raises(fm.ModelError, match=re.escape(f"'ESIG 1 {value!r}' cannot stand in a SPACAR input file")):
+    with pytest.raises(fm.ModelError, match=re.escape(f"'ESIG 1 {value!r}' cannot be written to a SPACAR input file")):
         fm.write_spacar(read, tmp_path / "again.dat")
     assert list(tmp_path.iterdir()) == []
 
@@ -304,7 +304,7 @@ def test_nodes_are_numbered_within_what_is_read(tmp_path):
 def test_a_value_that_has_no_effect_is_named_beside_one_that_has():
     text = TRUSS.replace("PLTRUSS 1 1 2", "PLBEAM 1 1 3 2 4").replace("ESTIFF 1 10", "ESTIFF 1 10\nESIG 1 1 0 2")
     (warning,) = fm.read_spacar(text).warnings
-    assert "ESIG: deformation 3 of element 1 cannot give way, so that the value there has no effect" in warning
+    assert "ESIG: deformation 3 of element 1 is fixed, so the value has no effect" in warning
 
 
 PARAMETERS = TRUSS.replace("ESTIFF 1 10", "ESTIFF 1 {2*k_1 + 1e1}")
@@ -313,7 +313,7 @@ PARAMETERS = TRUSS.replace("ESTIFF 1 10", "ESTIFF 1 {2*k_1 + 1e1}")
 def test_parameters_of_a_file():
     read = fm.read_spacar(PARAMETERS, numbers={"k_1": 5, "e1": 2.0})
     assert read.parameters == ("k_1",)
-    assert read.warnings == ["text: parameter 'e1' is in no line"]
+    assert read.warnings == ["text: parameter 'e1' does not occur in the file"]
 
 
 @pytest.mark.parametrize(
@@ -437,8 +437,8 @@ NO_TEXT = {
     "UTF-16": (TRUSS.encode("utf-16"), "bar.dat:1: the file is in UTF-16; save it as UTF-8"),
     "UTF-16 of big end": (codecs.BOM_UTF16_BE + TRUSS.encode("utf-16-be"), "bar.dat:1: the file is in UTF-16"),
     "UTF-32": (TRUSS.encode("utf-32"), "bar.dat:1: the file is in UTF-32"),
-    "no mark": (TRUSS.encode("utf-16-le"), "bar.dat:1: the file holds a byte of zero"),
-    "binary": (TRUSS.encode() + b"\n\0\1", "bar.dat:15: the file holds a byte of zero"),
+    "no mark": (TRUSS.encode("utf-16-le"), "bar.dat:1: the file contains a zero byte"),
+    "binary": (TRUSS.encode() + b"\n\0\1", "bar.dat:15: the file contains a zero byte"),
     "empty": (b"", "bar.dat:1: file is empty"),
     "comments": (b"% nothing\n", "bar.dat:1: file is empty"),
 }

@@ -93,7 +93,7 @@ def drawn(lines: str) -> str:
 def test_sizes_that_do_not_go_with_the_stiffness_are_told():
     flat, line = (
         "CROSSTYPE rect\nCROSSDIM 0.0005 0.018",
-        "text:5: BEAM: element 1: sizes do not go with the stiffness: ",
+        "text:5: BEAM: element 1: sizes do not agree with the stiffness: ",
     )
     assert fm.read_spacar(drawn(f"BEAMPROPS 1 3\n{flat}")).warnings == []
     (told, other) = fm.read_spacar(drawn("BEAMPROPS 1 3\nCROSSTYPE rect\nCROSSDIM 0.018 0.0005")).warnings

@@ -221,24 +221,24 @@ WARNED = {
     "log": (BAR.replace("DYNX 2 1\n", "DYNX 2 1\nOUTLEVEL 0 1\n"), "text:9: OUTLEVEL: has no effect"),
     "drawing": (
         BAR + "VISUALIZATION\nBEAMPROPS 1\nCROSSTYPE RECT\n",
-        "text:15: VISUALIZATION: drawing keywords are kept in settings and have no effect on results:"
+        "text:15: VISUALIZATION: drawing keywords are stored in settings and have no effect on results:"
         " VISUALIZATION (line 15), BEAMPROPS (line 16), CROSSTYPE (line 17)",
     ),
     "older drawing": (BAR.replace("END\nEND", "END\nHALT\nVIBREND 7.8\nEND\nEND"), "VIBREND (line 15)"),
     "last END": (BAR[:-4], "text:13: END: 1 END missing at the end"),
     "both END": (BAR[:-8], "text:12: END: 2 END missing at the end"),
-    "no X": (BAR.replace("X 1 0 0\n", ""), "text:2: PLTRUSS: node 1 has no X and stands at the origin"),
+    "no X": (BAR.replace("X 1 0 0\n", ""), "text:2: PLTRUSS: node 1 has no X and is placed at the origin"),
     "named again": (
         BAR.replace("FIX 2 2", "FIX 2 2\nFIX 1 2 1"),
         "FIX: coordinate 2 of node 1 is named already on line 5",
     ),
     "no effect": (
         BAR.replace("RLSE", "% ").replace("XM", "ESIG 1 1\nXM").replace("DYNX", "%").replace("ESTIFF", "%"),
-        "ESIG: deformation 1 of element 1 cannot give way, so that the value there has no effect",
+        "ESIG: deformation 1 of element 1 is fixed, so the value has no effect",
     ),
     "mass without stiffness": (
         BAR.replace("ESTIFF 1 10", "EM 1 2"),
-        "text:2: PLTRUSS: element 1 has mass and gives way, but has no ESTIFF: it has no stiffness",
+        "text:2: PLTRUSS: element 1 has mass and free deformations, but no ESTIFF: it has no stiffness",
     ),
     "stiffness of what is rigid": (
         BAR.replace("RLSE", "% ").replace("DYNX", "%"),
@@ -316,7 +316,7 @@ def test_screw(tmp_path):
     read = fm.read_spacar(
         SPINDLE.replace("RLSE 1 2", "INPUTE 1 2").replace("END\nEND", "END\nHALT\nINPUTE 1 2 1.5\nEND\nEND")
     )
-    assert read.warnings == ["text:1: SCREW: node 1 has no X and stands at the origin"]
+    assert read.warnings == ["text:1: SCREW: node 1 has no X and is placed at the origin"]
     assert read.builder.members["1"].element is spatial.screw
     found = fm.configuration(read.builder.build(dofs="named"), np.zeros(6)).at("3")
     np.testing.assert_allclose(found, [0, 0, 0.1 + 0.006], atol=1e-12)
@@ -326,7 +326,9 @@ def test_screw(tmp_path):
 
 def test_a_screw_that_cannot_turn_is_pointed_out():
     _, warning = fm.read_spacar(SPINDLE.replace("RLSE 1 2\n", "").replace("DYNX", "FIX")).warnings
-    assert warning.startswith("text:1: SCREW: the turn of screw 1, deformation 2, is fixed; RLSE, DYNE or INPUTE")
+    assert warning.startswith(
+        "text:1: SCREW: the turn of screw 1, deformation 2, is fixed; release it by RLSE, DYNE or INPUTE"
+    )
 
 
 BAD_TRANSMISSIONS = [
@@ -558,12 +560,12 @@ BAD = [
     (
         "K",
         "FIX 9",
-        "{K}: FIX: node 9: is in no element; a node exists by being named in one (there are: 1, 2, 3, 4, 5, 6)",
+        "{K}: FIX: node 9: is in no element; a node exists if an element names it (there are: 1, 2, 3, 4, 5, 6)",
     ),
     (
         "K",
         "X 9 0 0",
-        "{K}: X: node 9: is in no element; a node exists by being named in one (there are: 1, 2, 3, 4, 5, 6)",
+        "{K}: X: node 9: is in no element; a node exists if an element names it (there are: 1, 2, 3, 4, 5, 6)",
     ),
     ("K", "PLBEAM 3 5 6 7", "{K}: PLBEAM: element 3: too few parameters (4); expected: PLBEAM element xp rotp xq rotq"),
     ("K", "PLTRUSS 3 5 6 7", "{K}: PLTRUSS: element 3: too many parameters (4); expected: PLTRUSS element xp xq"),
@@ -589,10 +591,14 @@ BAD = [
     ("K", "RLSE 2 4", "{K}: RLSE: element 2: deformation 4 is out of range: element 2 has deformations 1 to 3"),
     ("K", "DYNE 7 1", "{K}: DYNE: element 7: there is no element 7 (there are: 1, 2)"),
     ("K", "FIX 5 3", "{K}: FIX: node 5: coordinate 3 is out of range: node 5 has coordinates 1 to 2"),
-    ("K", "FIX 3 1", "{K}: FIX: node 3: coordinate 1 has a role already by DYNX on line 9; it can have one only"),
+    ("K", "FIX 3 1", "{K}: FIX: node 3: coordinate 1 has a role already by DYNX on line 9; only one role is allowed"),
     ("K", "DYNX 3 1", "{K}: DYNX: node 3: coordinate 1 has a role already by DYNX on line 9"),
     ("K", "INPUTX 3 1", "{K}: INPUTX: node 3: coordinate 1 has a role already by DYNX on line 9"),
-    ("K", "DYNE 1 2", "{K}: DYNE: element 1: deformation 2 has a role already by RLSE on line 8; it can have one only"),
+    (
+        "K",
+        "DYNE 1 2",
+        "{K}: DYNE: element 1: deformation 2 has a role already by RLSE on line 8; only one role is allowed",
+    ),
     ("K", "DYNX 5 2 2", "{K}: DYNX: node 5: coordinate 2 is named twice"),
     (
         "K",
@@ -615,7 +621,7 @@ BAD = [
     (
         "K",
         "KINX 5 1",
-        "{K}: KINX: node 5: is refused: no analysis here holds a degree of freedom out of the dynamic set",
+        "{K}: KINX: node 5: is refused: no analysis excludes a degree of freedom from the dynamic set",
     ),
     ("K", "XM 5 1", "{K}: XM: node 5: belongs in the dynamics block, but stands in the kinematics block"),
     ("D", "DYNX 5 1", "{D}: DYNX: node 5: belongs in the kinematics block, but stands in the dynamics block"),
@@ -638,7 +644,7 @@ BAD = [
     ("D", "GRAVITY 0 0 -9.81", "{D}: GRAVITY: a planar mechanism has no third axis: gz must be 0, but is -9.81"),
     ("D", "TIMESTEP 1", "{D}: TIMESTEP: too few parameters (1); expected: TIMESTEP end steps"),
     ("D", "USERINP hand", "{D}: USERINP: needs the user routine 'hand': pass read_spacar(..., callables="),
-    ("D", "TRABC 1", "{D}: TRABC: is refused, since its parameters are not known; say where a coordinate goes"),
+    ("D", "TRABC 1", "{D}: TRABC: is refused, since its parameters are not known; give the motion of a coordinate"),
     ("S", "INPUTF 2 3 1", "{S}: INPUTF: input 2: input 1 is missing; inputs are numbered from 1 without gap"),
     (
         "S",
@@ -652,14 +658,14 @@ BAD = [
     ),
     ("S", "OUTX 1 3 3", "{S}: OUTX: output 1: coordinate 3 is out of range: node 3 has coordinates 1 to 2"),
     ("S", "OUTS 1 5 1", "{S}: OUTS: output 1: there is no element 5 (there are: 1, 2)"),
-    ("S", "OUTF 1 3 1", "{S}: OUTF: output 1: coordinate 1 is not held, so that no support acts there; name one that"),
+    ("S", "OUTF 1 3 1", "{S}: OUTF: output 1: coordinate 1 is free, so no support acts there; name one that"),
     (
         "S",
         "INX 1 5 2",
-        "{S}: INX: input 1: coordinate 2 is not held, so that it moves by itself; INPUTF",
+        "{S}: INX: input 1: coordinate 2 is free to move; act on it by INPUTF",
     ),
-    ("S", "INEP 1 1 2", "{S}: INEP: input 1: deformation 2 is not held, so that it moves by itself; INPUTF"),
-    ("S", "INPUTF 1 3 rx", "{S}: INPUTF: input 1: rx is an axis of a rotation in space, which node 3 is not; its"),
+    ("S", "INEP 1 1 2", "{S}: INEP: input 1: deformation 2 is free to move; act on it by INPUTF"),
+    ("S", "INPUTF 1 3 rx", "{S}: INPUTF: input 1: rx is an axis of a rotation in space, but node 3 is none; its"),
     (
         "S",
         "INPUTF 1 3 ra",
@@ -696,8 +702,8 @@ SPATIAL = [
         "HINGE 1 1 2 0 0 1\nEND\nXF 2 1 2 3\n",
         "text:3: XF: node 2: HALT is missing before the dynamics block",
     ),
-    ("HINGE 1 1 2 0 0 1\nEND\nEND\nFIX 1\n", "text:4: FIX: node 1: stands after END; only HALT and a later block"),
-    ("HINGE 1 1 2 0 0 1\nEND\nEND\nEND\n", "text:4: END: stands after the last END; a file ends with END END"),
+    ("HINGE 1 1 2 0 0 1\nEND\nEND\nFIX 1\n", "text:4: FIX: node 1: comes after END; only HALT and a later block"),
+    ("HINGE 1 1 2 0 0 1\nEND\nEND\nEND\n", "text:4: END: comes after the last END; a file ends with END END"),
     ("HINGE 1 1 2 0 0 1\nEND HALT\n", "text:2: END: too many parameters (1); expected: END"),
     ("END\nEND\n", "text:1: file has no element; it needs at least one"),
     ("% only a comment\n", "text:1: file is empty; it needs at least one"),
@@ -783,7 +789,9 @@ def test_signals_about_axes_have_no_keyword(tmp_path):
 def test_an_expansion_without_a_change_of_temperature_is_told(tmp_path):
     text = BAR.replace("XM 2", "ALPHA 1 1e-5\nXM 2")
     (warning,) = fm.read_spacar(text).warnings
-    assert warning.endswith(": ALPHA: of element 1 changes nothing: TEMP 1 value or DELTEMP 1 value warms it")
+    assert warning.endswith(
+        ": ALPHA: of element 1 has no effect without a temperature: TEMP 1 value or DELTEMP 1 value"
+    )
     for warm in ("TEMP", "DELTEMP"):
         assert fm.read_spacar(text.replace("XM 2", f"{warm} 1 20\nXM 2")).warnings == []
     # The material of a catalogue states it, whatever is asked: nothing is written that would be told.

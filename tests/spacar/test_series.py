@@ -383,7 +383,7 @@ def test_one_fault(old, new, expected):
 
 PLANAR = [
     ("1e8 1\n", "1e8 1 0.5\n", "9: ESTIFF: element 1: PLSBEAM has no shear deformation: a shear of 0.5 must be 0"),
-    ("4 6\n", "4 1\n", "11: ESIG: element 1: values 2 and 3 differ: a bending that varies needs p from 2"),
+    ("4 6\n", "4 1\n", "11: ESIG: element 1: values 2 and 3 differ: bending that varies needs p of at least 2"),
 ]
 
 

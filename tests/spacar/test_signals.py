@@ -94,14 +94,14 @@ END
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ("INX 3 2 1", "coordinate 1 is not held, so that it moves by itself"),
-        ("INE 3 1 1", "deformation 1 is not held, so that it moves by itself"),
-        ("OUTF 4 3 1", "coordinate 1 is not held, so that no support acts there"),
+        ("INX 3 2 1", "coordinate 1 is free to move"),
+        ("INE 3 1 1", "deformation 1 is free to move"),
+        ("OUTF 4 3 1", "coordinate 1 is free, so no support acts there"),
         (
             "INPUTF 3 1 1",
-            "coordinate 1 is held, so that a force on it does nothing; let it act on one that moves, or mo",
+            "coordinate 1 is fixed or prescribed, so a force on it has no effect; let it act on one that moves, or mo",
         ),
-        ("OUTX 4 2 ry", "ry is an axis of a rotation in space, which node 2 is not; its coordinate is 1 to 2"),
+        ("OUTX 4 2 ry", "ry is an axis of a rotation in space, but node 2 is none; its coordinate is 1 to 2"),
     ],
 )
 def test_signals_that_cannot_be(line, words):

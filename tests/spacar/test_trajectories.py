@@ -68,10 +68,14 @@ def test_what_is_read_survives_a_round_trip(tmp_path):
 
 BAD = [
     ("dynamics", "TRAJE 9 1 0 1 2", "{D}: TRAJE: element 9: there is no element 9 (there are: 1, 2)"),
-    ("dynamics", "TRAJX 9 1 0 1 2", "{D}: TRAJX: node 9: is in no element; a node exists by being named in one"),
+    ("dynamics", "TRAJX 9 1 0 1 2", "{D}: TRAJX: node 9: is in no element; a node exists if an element names it"),
     ("signals", "TRAJX 3 3 0 1 2", "{S}: TRAJX: node 3: coordinate 3 is out of range: node 3 has coordinates 1 to 2"),
     ("dynamics", "TRAJX 3 1 0 1 2", "{D}: TRAJX: node 3: coordinate 1 is calculable, so that it cannot be led: name"),
-    ("dynamics", "TRAJX 1 1 0 1 2", "{D}: TRAJX: node 1: coordinate 1 is held, so that it cannot be led: name it with"),
+    (
+        "dynamics",
+        "TRAJX 1 1 0 1 2",
+        "{D}: TRAJX: node 1: coordinate 1 is held, so it cannot follow a trajectory: name it with",
+    ),
     ("dynamics", "TRAJE 1 1 0 1 2", "{D}: TRAJE: element 1: deformation 1 is calculable, so that it cannot be led"),
     ("dynamics", "TRAJE 2 1 1 0.5 2", "{D}: TRAJE: element 2: end must be later than start, which is 1.0 s, but"),
     ("dynamics", "TRAJE 2 1 1 1 2", "{D}: TRAJE: element 2: end must be later than start, which is 1.0 s, but is 1.0"),
@@ -92,7 +96,7 @@ BAD = [
         "INPUTE 2 1 0 3\nTRAJE 2 1 0 1 2",
         "{D1}: TRAJE: element 2: moves by the velocity or acceleration of INPUTE on line {D} already",
     ),
-    ("kinematics", "TRAJE 2 1 0 1 2", "{K}: TRAJE: element 2: belongs in the dynamics block, but stands in the"),
+    ("kinematics", "TRAJE 2 1 0 1 2", "{K}: TRAJE: element 2: belongs in the dynamics block, but is in the"),
     ("signals", "NOMF 1 3 1", "{S}: NOMF: input 1: there is no output that follows the trajectory: name one with REFX"),
     ("signals", "NOMF 2 3 1\nREFX 1 3 1", "{S}: NOMF: input 2: nominal input 1 is missing; nominal inputs are"),
     ("signals", "REFX 1 3 1\nREFE 3 2 1", "{S1}: REFE: output 3: reference output 2 is missing; reference outputs are"),
@@ -104,12 +108,12 @@ BAD = [
     (
         "signals",
         "NOMF 1 1 1\nREFX 1 3 1",
-        "{S}: NOMF: input 1: coordinate 1 is held, so that nothing can drive it; let the input act on one that moves",
+        "{S}: NOMF: input 1: coordinate 1 is fixed, so nothing can drive it; let the input act on one that moves",
     ),
     (
         "signals",
         "NOMS 1 2 1\nREFX 1 3 1",
-        "{S}: NOMS: input 1: is prescribed and goes nowhere, so that nothing is driven: say where it goes with TRAJE",
+        "{S}: NOMS: input 1: is prescribed without a motion, so nothing is driven: give its motion by TRAJE",
     ),
     ("signals", "REFX 1 5 2", "{S}: REFX: output 1: coordinate 2 is out of range: node 5 has coordinates 1 to 1"),
     *(

@@ -74,7 +74,7 @@ def test_a_file_that_is_open_is_said_to_be(tmp_path):
         port = own.address.split(":")[2].split("/")[0]
         for more in ([], ["--port", port]):
             told = called(path, "--no-browser", *more)
-            assert told == f"flexmb edit: 'guide.json' is open in another workbench already: {own.address}\n"
+            assert told == f"flexmb edit: 'guide.json' is already open in another workbench: {own.address}\n"
 
 
 @pytest.mark.slow

@@ -178,8 +178,8 @@ def test_numbers_that_are_no_arithmetic_are_told(tmp_path):
     document = documents.drawn(3, names, things)
     told = cannot_hold(document)
     assert told[1] == "section leaf: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION"
-    assert told[0] == "names that follow from others, twice: their arithmetic stands where they are used"
-    assert told[-1] == "number 2 of ESTIFF 1 follows from names by more than + - * / **, and stays as it is"
+    assert told[0] == "names that follow from others, twice: their arithmetic is written where they are used"
+    assert told[-1] == "number 2 of ESTIFF 1 follows from names by more than + - * / ** and stays unchanged"
     path = tmp_path / "beam.dat"
     save_dat(document, path)
     read = fm.read_spacar(path, numbers={"t": 1e-3})

@@ -202,7 +202,7 @@ def test_a_killed_process_comes_back_with_its_file(opened, tmp_path):
     path.write_text(Document.empty().text)
     session, _ = opened(session_of_file(path))
     session.ask("edit", {"ops": cantilever()})
-    with pytest.raises(TakenError, match=r"'guide.json' is open in another workbench"):
+    with pytest.raises(TakenError, match=r"'guide.json' is already open in another workbench"):
         session_of_file(path)
     killed(session)
     again, told = opened(session_of_file(path))

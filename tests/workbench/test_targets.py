@@ -123,7 +123,7 @@ def test_what_cannot_be_reached_says_how_near_it_comes_and_what_limits_it():
     both = [want("frequency 1", "20"), want("multiplier 1", "3", "most")]
     found = targets.meet(loaded(bounded(t=("0.1e-3", "2e-3"))), both, ["t"], Job())
     assert not found["met"]
-    assert "against each other" in found["text"]
+    assert "contradict each other" in found["text"]
 
 
 @pytest.mark.slow
@@ -212,7 +212,7 @@ def test_values_with_and_without_units(text, unit, value):
         ([want("colour", "20")], ["t"], "'colour' has no derivatives"),
         ([want("stiffness x", "20")], ["t"], "belongs to a node"),
         ([want("frequency 1", "20")], ["thickness"], "no name 'thickness'"),
-        ([want("frequency 1", "20")], ["L2"], "follows from others"),
+        ([want("frequency 1", "20")], ["L2"], "follows from other names"),
         ([want("frequency 3", "20")], ["t"], "numbered 1 to 1"),
         ([want("multiplier 1", "20")], ["t"], "No load acts"),
         ([want("frequency 1", "20")], ["d"], "has no effect on it"),

@@ -134,7 +134,7 @@ def test_what_has_no_meaning_is_said():
     told = found.of(document, answers(document, sensitivity_of="stress"), wait=True)
     assert "Several places have the largest stress" in told["words"][0]
     told = found.of(document, answers(document, sensitivity_of="frequency 9"), wait=True)
-    assert (told["status"], told["message"]) == ("failed", "There is no frequency 9 here, and so no sensitivity of it.")
+    assert (told["status"], told["message"]) == ("failed", "There is no frequency 9 here, so it has no sensitivity.")
     twins = apply(
         Document.empty(3),
         [
