@@ -6,8 +6,10 @@ from typing import Any
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ..arguments import holds, is_concrete, nan_if_refused
+from ..compilation.compile import jit
 from ..elements.leaf import flags_and_distances, leaf_of
 from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
@@ -227,9 +229,14 @@ def nan_if_not_stiff(described: Description) -> Description:
 
 def _least(member: Member, length: Any) -> Any:
     """Return the least eigenvalue of the scaled stiffness matrix of a leaf spring and its ends."""
-    own, length = jax.lax.stop_gradient((dict(member.properties), jnp.asarray(length, float)))
+    own = {name: member.properties[name] for name in ("section", "clamped", "curvature", "skew", "clamp")}
+    return _least_of(own, length, order=member.element.options["order"])
+
+
+@jit
+def _least_of(own: dict[str, Any], length: Array, order: int) -> Array:
+    own, length = jax.lax.stop_gradient((own, length))
     leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
-    order = member.element.options["order"]
     matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
     strained = matrix[: len(FIELDS) * order, : len(FIELDS) * order]
     scale = jnp.sqrt(jnp.abs(jnp.diag(strained)))
@@ -238,9 +245,7 @@ def _least(member: Member, length: Any) -> Any:
 
 def _check_stiff(name: str, member: Member, length: float) -> None:
     """Raise an error if skew cuts leave no positive definite stiffness."""
-    with jax.ensure_compile_time_eval():
-        least = float(_least(member, length))
-    if least < 0:
+    if float(_least(member, length)) < 0:
         raise ModelError(
             f"Element '{name}' is too short for its skew cuts: its stiffness cannot be computed. Make it longer, or use"
             " solid elements."

@@ -458,11 +458,11 @@ def test_bad_input_is_named(properties, message):
         build()
 
 
-def skewed(length, degrees, section=WIDE) -> fm.Builder:
+def skewed(length, degrees, section=WIDE, order=2) -> fm.Builder:
     b = fm.Builder()
     b.node("foot", (0, 0, 0))
     b.node("tip", (length, 0, 0))
-    b.add(spatial.leaf_spring(order=2), "foot", "tip", name="leaf", section=section, skew=np.radians([degrees, 0.0]))
+    b.add(spatial.leaf_spring(order), "foot", "tip", name="leaf", section=section, skew=np.radians([degrees, 0.0]))
     b.fix("foot")
     return b
 
@@ -483,6 +483,14 @@ def test_a_leaf_spring_too_short_for_its_cuts_is_refused():
     b = skewed(0.02, 60)
     with pytest.raises(fm.ModelError, match="'leaf' is too short for its skew cuts"):
         b.build()
+
+
+@pytest.mark.slow
+def test_a_build_with_skew_cuts_compiles_one_program_more(compilations):
+    """The program that checks the stiffness; each of its hundreds of operations would be another."""
+    skewed(0.12, 20, order=5).build()
+    assert sum("_least_of" in name for name in compilations) == 1
+    assert not [name for name in compilations if "flexmb." not in name]
 
 
 @pytest.mark.slow
