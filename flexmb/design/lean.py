@@ -9,6 +9,7 @@ import numpy as np
 
 from ..arguments import check_number, check_whole, shown
 from ..build.restrict import Restriction, can_be_tied, restrict
+from ..checks.mobility import constraints, motions_of
 from ..compilation.compile import unguarded
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
@@ -296,20 +297,27 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
         moved = np.asarray(lin.matrices.e)[free] * weight
         size = moved @ moved
         shares = np.maximum(shares, moved**2 / size if size > 0 else 0.0)
-    n_q = rows[0].shape[1]
+    # Effects in the undeformed mechanism, by which the restricted model chooses its degrees of freedom.
+    undeformed = constraints(model)
+    motions, _ = motions_of(model, undeformed)
+    effects = undeformed.jacobian[free] @ motions
+    effects = effects if isinstance(effects, np.ndarray) else effects.toarray()
     fixed: list[int] = []
-    null = np.eye(n_q)
+    nulls = [np.eye(rows[0].shape[1]), np.eye(effects.shape[1])]
     spent = 0.0
     for i in np.argsort(shares, kind="stable"):
         spent += shares[i]
         if spent > NEGLIGIBLE_SHARE * tolerance:
             break
-        row = rows[0][i] @ null
-        if np.linalg.norm(row) > NO_MOTION * np.linalg.norm(rows[0][i]):
+        left = [own[i] @ null for own, null in zip((rows[0], effects), nulls, strict=True)]
+        if all(
+            np.linalg.norm(row) > NO_MOTION * np.linalg.norm(own[i])
+            for row, own in zip(left, (rows[0], effects), strict=True)
+        ):
             fixed.append(int(i))
-            null = null @ np.linalg.svd(row[None])[2][1:].T
+            nulls = [null @ np.linalg.svd(row[None])[2][1:].T for row, null in zip(left, nulls, strict=True)]
     rest = np.setdiff1d(np.arange(len(free)), fixed)
-    basis, sizes, _ = np.linalg.svd(rows[0][rest] @ null, full_matrices=False)
+    basis, sizes, _ = np.linalg.svd(rows[0][rest] @ nulls[0], full_matrices=False)
     basis = basis[:, sizes > NO_DIRECTION * np.max(sizes, initial=0.0)]
     patterns = []
     for a, z, lin in zip(rows, kept, states, strict=True):

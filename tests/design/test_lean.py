@@ -368,3 +368,24 @@ def test_what_a_constant_load_or_strain_moves_is_kept(strain):
         b.gravity((0, -9.81))
     with pytest.raises(fm.AnalysisError, match="No smaller model answers"):
         fm.lean(b.build(), bandwidth=30.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("space", [False, True])
+def test_leaf_springs_side_by_side_have_one_freedom(space):
+    """Their rotations depend on each other, which FIXED deformations must not state twice."""
+    b = fm.Builder()
+    zero, extra = ((0.0,), {"y": (0, 0, 1)}) if space else ((), {})
+    b.node("base", (0, 0, *zero))
+    b.node("stage", (0, 0.1, *zero))
+    b.fix("base")
+    section = fm.Rectangle(0.02, 0.5e-3, fm.Material(E=210e9, G=80.77e9, rho=7850))
+    fm.blocks.parallel_guide(b, "base", "stage", length=0.1, spacing=0.05, section=section, **extra)
+    b.mass("stage", 0.5)
+    found = fm.lean(b.build(), bandwidth=100.0)
+    assert found.model.topology.n_q == 1
+    assert found.error.worst < 0.01
+    # Two strips in sway, whose stiffness lies between that of a beam and that of a plate, with 26/35 of their mass.
+    stiffness, mass = 2 * 12 * 210e9 * 0.02 * 0.5e-3**3 / 12 / 0.1**3, 0.5 + 2 * 26 / 35 * 7850 * 0.02 * 0.5e-3 * 0.1
+    beam = np.sqrt(stiffness / mass) / (2 * np.pi)
+    assert beam < found.frequencies[0] < beam / np.sqrt(1 - 0.3**2)
