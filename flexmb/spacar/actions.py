@@ -374,7 +374,7 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
     r.warnings.append(
         (
             s,
-            "the function is stored in settings and has no effect in an analysis: pass it to simulate (loads=, motion=)",
+            "the function stays in settings and has no effect in an analysis: pass it to simulate (loads=, motion=)",
         )
     )
 

@@ -258,7 +258,7 @@ NUMBERS = {
     "USERSIG \x1b[31m": r"USERSIG: needs the user routine '\x1b[31m'",
     "TIMENORM 1": "TIMENORM: element 1: is refused, since its parameters are not known; start and end of TRAJX and",
     "TUBE 3 1 2 3 4": "TUBE: element 3: element type is not available yet",
-    "TROT 2 1 0 1 1": "TROT: element 2: is refused, since its parameters are not known; give the motion of a coordinate",
+    "TROT 2 1 0 1 1": "TROT: element 2: is refused, since its parameters are not known; give the motion of a",
 }
 
 
