@@ -340,10 +340,9 @@ def _run(
     **options: Any,
 ) -> None:
     """Answer a mode with the options of its answer."""
-    from .answers.also_asked import QuestionError, also_asked
     from .answers.answer_files import save as save_answer
     from .answers.answer_files import to_json
-    from .answers.answers import answer
+    from .answers.answers import QuestionError, also_asked, answer
     from .answers.tables import log as log_text
     from .answers.tables import table
     from .files import write_whole

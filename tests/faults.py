@@ -2864,14 +2864,14 @@ FAULTS = [
         slow=True,
     ),
     Fault(
-        "answers/nominal_motion.py",
+        "answers/mode_2_inverse.py",
         "builder.dofs = driven + builder.dofs",
         "builder.dofs += driven",
         "answers/test_trajectory.py::test_linearised_equations_of_the_joints",
         slow=True,
     ),
     Fault(
-        "answers/nominal_motion.py",
+        "answers/mode_2_inverse.py",
         "direct + (others if left else [])",
         "direct",
         "answers/test_trajectory.py -k let_go",
@@ -2884,9 +2884,9 @@ FAULTS = [
         "answers/test_trajectory.py -k base",
         slow=True,
     ),
-    Fault("spacar/signals.py", "if moves and not held:", "if False:", "spacar/test_signals.py -k cannot_be"),
+    Fault("spacar/trajectories.py", "if moves and not held:", "if False:", "spacar/test_signals.py -k cannot_be"),
     Fault(
-        "spacar/signals.py",
+        "spacar/trajectories.py",
         "(kind, str(of), component), axis))",
         "(kind, str(of), component), 2))",
         "spacar/test_signals.py -k axes",
@@ -3538,7 +3538,7 @@ FAULTS = [
         slow=True,
     ),
     Fault(
-        "trajectory/ltv_file.py",
+        "trajectory/linear_along.py",
         "np.swapaxes(row, 1, -1).reshape",
         "row.reshape",
         "trajectory/test_linear_along.py -k names_of_spacar",
@@ -3660,7 +3660,7 @@ FAULTS = [
     ),
     Fault("fmu/plant.py", "if v.name in shared else v", "if not shared else v", "fmu/test_save.py -k valid"),
     Fault("fmu/plant.py", "if system.dt:", "if system.dt is True:", "fmu/test_save.py -k refused"),
-    Fault("fmu/compiler.py", "if run.returncode:", "if run.returncode < 0:", "fmu/test_save.py -k refuses"),
+    Fault("fmu/save.py", "if run.returncode:", "if run.returncode < 0:", "fmu/test_save.py -k refuses"),
     Fault("cli.py", 'if fmi not in ("2", "3"):', 'if fmi not in ("1", "2", "3"):', "test_cli.py -k fmu"),
     # Pictures, pages, files.
     Fault(
@@ -3680,12 +3680,12 @@ FAULTS = [
     ),
     Fault("workbench/live.py", "-1.0 if before @ shape < 0 else 1.0", "1.0", "workbench/test_stage.py -k side"),
     Fault("workbench/counts.py", "over=0,\n", "over=1,\n", "workbench/test_counts.py -k tutorial"),
-    Fault("workbench/preview.py", "now - self._last < PACE", "False", "workbench/test_preview.py"),
+    Fault("workbench/session.py", "now - self._last < PACE", "False", "workbench/test_preview.py"),
     Fault("workbench/from_builder.py", "if len(positions) == 1 and", "if", "workbench/test_merged.py"),
     Fault("workbench/calls_of.py", "row.get(number, 0.0)", "0.0", "workbench/test_from_builder.py -k every_feature"),
     Fault("workbench/dat_file.py", "str(int(owner) + 1)", "str(int(owner) + 2)", "workbench/test_dat_file.py -k saved"),
-    Fault("workbench/sums.py", "short.adjusted() <= 9", "short.adjusted() <= 30", "workbench/test_sums.py"),
-    Fault("workbench/sums.py", 'return f"-{_term(a)}"', 'return f"-{a}"', "workbench/test_sums.py"),
+    Fault("workbench/values.py", "short.adjusted() <= 9", "short.adjusted() <= 30", "workbench/test_sums.py"),
+    Fault("workbench/values.py", 'return f"-{_term(a)}"', 'return f"-{a}"', "workbench/test_sums.py"),
     Fault("workbench/compare.py", "/ abs(before)", "/ before", "workbench/test_compare.py"),
     Fault(
         "workbench/live_answers.py",

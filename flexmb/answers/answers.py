@@ -1,4 +1,4 @@
-"""The answer of each analysis mode as plain numbers: what the command line prints, writes and saves."""
+"""The answer of each mode, and of questions beside it, as plain numbers: what the command line prints and saves."""
 
 import dataclasses
 import functools
@@ -13,10 +13,12 @@ import numpy as np
 from .. import __version__
 from ..build.builder import Builder
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, IdleWarning, MechanismError, ModelError, heard
+from ..errors import AnalysisError, IdleWarning, MechanismError, ModelError, clean, heard
 from ..linear.linearize import Linearization
 from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
+from ..questions.question import Asked, is_many
+from ..questions.question import asked as of_state
 from ..results import RESULTS
 from ..spacar.actions import RATES_IDLE
 from .answer_parts import number
@@ -185,3 +187,32 @@ def plain(value: Any) -> Any:
     if isinstance(value, float) and not np.isfinite(value):
         return None
     return value
+
+
+class QuestionError(ValueError):
+    """There is no such question, or the mechanism has no answer to it."""
+
+
+def also_asked(found: Answer, texts: Sequence[str]) -> dict[str, Any]:
+    """Answers of questions by their texts, beside the keys and values of an answer.
+
+    Raises:
+        QuestionError: There is no such question, node, element or number; or the mode has no state.
+    """
+    if not texts or found.exit_status:
+        return {}
+    answers: dict[str, Any] = {}
+    for text in texts:
+        try:
+            with heard():
+                if is_many(found.found):
+                    series = Asked(text).along(found.found)
+                    answers[text] = {"values": series.values, "unit": series.unit}
+                elif found.lin is None:
+                    raise ValueError("this mode has no state to ask")
+                else:
+                    question = of_state(text)
+                    answers[text] = {"values": float(np.asarray(question(found.lin))), "unit": question.unit}
+        except (KeyError, ValueError, AttributeError) as fault:
+            raise QuestionError(f"'{clean(text)}': {clean(fault.args[0] if fault.args else fault)}") from None
+    return {"asked": answers}

@@ -1,14 +1,133 @@
 """Mode 2: inverse dynamics along a trajectory; and functions that modes 3, 5 and 6 share with it."""
 
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, NoReturn
 
 import numpy as np
 
-from ..trajectory.inverse import Nominal
+from ..build.builder import Builder
+from ..build.description import Key, NamedSignal
+from ..errors import SpacarError
+from ..model.by_name import TURNS
+from ..model.roles import Role
+from ..spacar.laws import Way, laws_of, role_of, ways_of
+from ..spacar.reading import Channel
+from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS
+from ..trajectory.inverse import Nominal, inverse_dynamics
 from .answer_parts import SHOWN_VALUES, row
 from .mode import Found, Mode, ModeRequest
-from .mode_1_simulate import frequencies_at_ends, origins, over_time, steps_of
-from .nominal_motion import nominal_motion
+from .mode_1_simulate import frequencies_at_ends, motions_of, origins, over_time, steps_of, times_of
+
+KINDS = {"NOMF": "node", "NOMS": "element"}
+FORM = "TRAJX node coordinate start end value [quintic|septic|scurve], or TRAJE element deformation .."
+
+
+def _channels(settings: dict[str, Any], keywords: Any) -> Iterator[tuple[str, Channel]]:
+    """Lines of nominal inputs or reference outputs, in the order of their numbers."""
+    found = [(keyword, own) for keyword in keywords for own in settings.get(keyword, [])]
+    return iter(sorted(found, key=lambda pair: pair[1].number))
+
+
+def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoReturn]) -> list[Key]:
+    """PRESCRIBED motions of the file that nominal inputs drive: inputs that act on them, then the remaining inputs."""
+    roles = {key: role_of(asked.builder, key) for key in ways}
+    nominal = list(_channels(asked.settings, NOMINAL))
+    by_key = {(KINDS[keyword], str(own.of), own.component) for keyword, own in nominal}
+    direct = [key for key, role in roles.items() if role is Role.PRESCRIBED and key in by_key]
+    free = [key for key, role in roles.items() if role is Role.DOF]
+    others = [key for key, role in roles.items() if role is Role.PRESCRIBED and key not in by_key]
+    left = len(nominal) - len(direct) - len(free)
+    if left in (0, len(others)):
+        return direct + (others if left else [])
+    if left < 0:
+        first = next(key for key in free if key not in by_key)
+        way = ways[first]
+        keyword = "NOMF" if way.keyword == "TRAJX" else "NOMS"
+        refuse(
+            way.keyword,
+            f"{first[0]} {first[1]}: nothing drives it along its trajectory: there are {len(nominal)} nominal inputs"
+            f" for {len(direct) + len(free)} driven quantities. Name one more with {keyword}, or prescribe it",
+            way.legs[0].line,
+        )
+    keyword, last = nominal[-1]
+    refuse(
+        keyword,
+        f"input {last.number}: {len(nominal)} nominal inputs drive as many coordinates and deformations along"
+        f" trajectories, but {len(ways)} have one; those that are degrees of freedom (DYNX, DYNE) or have an input of"
+        " their own are driven first",
+        last.line,
+    )
+
+
+def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
+    """Builder with nominal inputs and reference outputs instead of the inputs and outputs of the state space."""
+    for side, keywords in (("input", NOMINAL), ("output", tuple(REFERENCES))):
+        signals: list[NamedSignal] = []
+        for keyword, own in _channels(settings, keywords):
+            kind = "node" if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else "element"
+            what = REFERENCES.get(keyword) or ("force" if kind == "node" else "stress")
+            axis = TURNS.index(own.component) if own.component in TURNS else None
+            what = "moment" if axis is not None and what == "force" else what
+            label = f"{what} {own.of}.{own.component}"
+            name = f"{label} ({own.number})" if label in {signal.name for signal in signals} else label
+            key: Key = (kind, str(own.of), 1 if isinstance(own.component, str) else own.component)
+            signals.append(NamedSignal(name, what, key, axis))
+        builder.signals[side] = signals
+
+
+def _idle_velocities(asked: ModeRequest, released: bool) -> list[str]:
+    """Warnings of start velocities that have no effect."""
+    keys = [key for key, (_, velocity) in asked.builder.starts.items() if velocity != 0]
+    idle = [key for key in keys if not released or key in ways_of(asked.settings)]
+    return [
+        f"The start velocity of {kind} {of}, {number}, has no effect: along a trajectory all driven quantities start at"
+        f" rest{'' if released else ', and all else is held'}."
+        for kind, of, number in idle
+    ]
+
+
+def nominal_motion(asked: ModeRequest, number: int) -> tuple[Nominal, list[str]]:
+    """The motion along the trajectory of a file, with its nominal inputs and reference outputs.
+
+    Raises:
+        SpacarError: The file says no trajectory or no times, or its nominal inputs do not fit.
+        MechanismError, ModelError, AnalysisError: As of the builder and of ``inverse_dynamics``.
+    """
+    settings, ways = asked.settings, ways_of(asked.settings)
+
+    def refuse(keyword: str, text: str, line: int | None = None) -> NoReturn:
+        raise SpacarError(f"{asked.name}{'' if line is None else f':{line}'}: {keyword}: {text}")
+
+    if not ways:
+        first = next(_channels(settings, (*NOMINAL, *REFERENCES)), None)
+        keyword, line = ("TRAJX", None) if first is None else (first[0], first[1].line)
+        refuse(keyword, f"mode {number} needs a trajectory: {FORM}", line)
+    asked.warnings += _idle_velocities(asked, released=number == 6)
+    driven = _driven(asked, ways, refuse)
+    told, builder = asked.builder, asked.builder.copy()
+    for key in driven:
+        (builder.nodes if key[0] == "node" else builder.members)[key[1]].roles[key[2] - 1] = Role.DOF
+        for loads in builder.loads.values():
+            loads.get("prescribed", {}).pop(key, None)
+    builder.dofs = driven + builder.dofs
+    _with_signals(builder, settings)
+    asked.builder = builder
+    model = asked.checked()
+    labels = model.labels
+    n_q, n_u, n_y = model.topology.n_q, len(labels.inputs), len(labels.outputs)
+    matrices = (6 * n_q**2 + (2 * n_q + n_u) * (2 * n_q + n_y)) * (number != 2)
+    first = min((way.legs[0] for way in ways.values()), key=lambda leg: leg.line)
+    keyword = next(word for word in WAYS if first in settings.get(word, []))
+    where = f"{asked.name}:{first.line}: {keyword}"
+    times = times_of(asked.name, settings, 2 * (len(labels.x) + len(labels.e)) + n_u + n_y + n_q + matrices, where)
+    for way in ways.values():
+        if way.legs[-1].end > times[-1]:
+            asked.warnings.append(
+                f"{way.keyword} on line {way.legs[-1].line} goes on until {way.legs[-1].end:.6g} s, but TIMESTEP ends"
+                f" at {times[-1]:.6g} s."
+            )
+    laws = laws_of(told, labels, settings)
+    return inverse_dynamics(model, laws | motions_of(model, settings), times), list(laws)
 
 
 def told(found: Nominal, motion: Any = None) -> dict[str, Any]:

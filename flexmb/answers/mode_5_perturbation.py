@@ -8,8 +8,7 @@ from ..model.model import Model
 from ..trajectory.vibrations import Perturbation, perturbation
 from .mode import Found, Mode, ModeRequest
 from .mode_1_simulate import RTOL
-from .mode_2_inverse import linearised, table, told
-from .nominal_motion import nominal_motion
+from .mode_2_inverse import linearised, nominal_motion, table, told
 
 
 def _force(found: Any) -> np.ndarray:

@@ -17,7 +17,7 @@ from . import trajectories
 from .kinds import FORMS, KINDS
 from .lines import DYNAMICS, KINEMATICS, SIGNALS, Statement
 from .reading import Reading
-from .signals import QUANTITIES, signal
+from .trajectories import QUANTITIES, signal
 
 # Stages: nodes follow from elements, and properties and positions are needed before elements are built.
 DECLARE, DESCRIBE, APPLY = range(3)

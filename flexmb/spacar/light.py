@@ -11,10 +11,9 @@ from ..linear.damping import damped
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
 from .light_checks import check
+from .light_fields import Script, read, value_of
 from .light_fields import Struct as Struct
 from .light_fields import StructArray as StructArray
-from .light_fields import value_of
-from .light_input import Script, read
 from .light_model import build
 from .light_results import LightResults as LightResults
 

@@ -8,8 +8,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..errors import ModelError, clean
 from ..numerical_limits import LIGHT_LENGTH_RATIO, LIGHT_PARALLEL, LIGHT_SHORTEST, LIGHT_THIN, SAME_AXIS
-from .light_fields import AXES, COUNTS, faults_of, numbered, value_of
-from .light_input import Script
+from .light_fields import AXES, COUNTS, Script, faults_of, numbered, value_of
 from .lines import LARGEST, SMALLEST, within
 
 MANY_STEPS = 100

@@ -15,8 +15,7 @@ from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
 from ..errors import MechanismError, ModelError
 from ..model.model import Model
 from .light_checks import acts, rotations
-from .light_fields import AXES, INPUTS, OUTPUTS, value_of
-from .light_input import Script
+from .light_fields import AXES, INPUTS, OUTPUTS, Script, value_of
 
 Releases = Mapping[int, tuple[int, ...]]
 

@@ -18,8 +18,7 @@ from ..linear.stress import Stress, has_stress, stress
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
 from ..numerical_limits import LARGEST_MULTIPLIER
-from .light_fields import value_of
-from .light_input import Script
+from .light_fields import Script, value_of
 from .light_model import Releases, beam_names, node_name
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ from .actions import start_of
 from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, MOST, known
 from .read import SpacarModel
-from .signals import keyword_of
+from .trajectories import keyword_of
 from .written import WrittenLine, is_zero, line_of, numbers_of, one_of, text_of, trimmed
 
 # Elements that become lines of a node, by their property.

@@ -1,4 +1,4 @@
-"""Linear equations along a motion: matrices that vary with time, interpolated between the output times."""
+"""Linear equations along a motion: matrices that vary with time, interpolated between the times, and their files."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
+from .. import __version__
 from ..arguments import as_reals, check_number, checked_times, is_concrete, shown
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Column, Labelled, Quantities, Summary, short, span
+from ..files import save_arrays
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
@@ -269,15 +271,20 @@ class TimeVarying(Labelled, Record):
     def save(self, path: str | os.PathLike) -> None:
         """Save the system as .npz or .mat, under the names of SPACAR's ltv file.
 
+        The file also contains the names "states", "inputs" and "outputs", and "about": JSON that describes each array
+        and what is left out (the second-order output tensor G, NYS and NRBM).
+
         Args:
-            path: File; see :func:`flexmb.trajectory.ltv_file.save_time_varying`.
+            path: File.
+
+        Raises:
+            ValueError: Another ending.
+            OSError: The folder is missing or not writable.
 
         Source:
-            See there.
+            SPACAR's names; see :data:`DESCRIPTIONS`.
         """
-        from .ltv_file import save_time_varying
-
-        save_time_varying(self, path)
+        save_arrays(path, arrays_of(self), {"flexmb": __version__, "arrays": DESCRIPTIONS, "left out": LEFT_OUT})
 
     def summary(self) -> Summary:
         """Return times, sizes and the range of the frequencies."""
@@ -456,3 +463,54 @@ def _ordered(a: Any, b: Any, c: Any, mass: Any, freedoms: Any, order: Array, pla
     first = [freedom[0, place] for freedom in freedoms]
     start = jnp.concatenate([*first, jnp.zeros(len(order) - 2 * len(place))])
     return a[:, order][:, :, order], b[:, order], c[:, :, order], mass[:, place][:, :, place], start
+
+
+DESCRIPTIONS = {
+    "NNOM": "number of nominal inputs, columns of U0",
+    "NX": "number of states",
+    "NU": "number of inputs",
+    "NY": "number of outputs",
+    "DFT": "1 where D is not zero at some time",
+    "X0": "states of the motion itself at the first time: degrees of freedom or amplitudes, then their rates",
+    "T": "times [s]; A to Y0 have a row for each, matrices in it column by column",
+    "A": "NX by NX",
+    "B": "NX by NU",
+    "C": "NY by NX",
+    "D": "NY by NU",
+    "M0": "mass of the first half of the states",
+    "C0B": "C0 + D0 of them",
+    "K0B": "K0 + N0 + G0 of them",
+    "SIG0": "stress resultants along the motion [N, N m]",
+    "U0": "inputs along it",
+    "Y0": "outputs along it",
+}
+LEFT_OUT = (
+    "G, NYS and NRBM are missing: the outputs are not expanded to second order, and the two numbers are not documented."
+)
+
+
+def arrays_of(system: TimeVarying) -> dict[str, np.ndarray]:
+    """Arrays of the file by name."""
+    n = system.M.shape[1]
+    a, b, c, d, mass = (np.asarray(getattr(system, name)) for name in "ABCDM")
+    rows = {
+        "A": a,
+        "B": b,
+        "C": c,
+        "D": d,
+        "M0": mass,
+        "C0B": -mass @ a[:, n : 2 * n, n : 2 * n],
+        "K0B": -mass @ a[:, n : 2 * n, :n],
+        "SIG0": np.asarray(system.sigma),
+        "U0": np.asarray(system.u0),
+        "Y0": np.asarray(system.y0),
+    }
+    numbers = {"NNOM": system.u0.shape[1], "NX": a.shape[1], "NU": b.shape[2], "NY": c.shape[1], "DFT": int(np.any(d))}
+    return {
+        **{name: np.asarray(number) for name, number in numbers.items()},
+        "X0": np.asarray(system.z0),
+        "T": np.asarray(system.t),
+        # Column by column: the last axis varies slowest.
+        **{name: np.swapaxes(row, 1, -1).reshape(len(row), -1) for name, row in rows.items()},
+        **{f"{name}s": np.array(getattr(system, f"{name}_labels"), dtype=str) for name in ("state", "input", "output")},
+    }

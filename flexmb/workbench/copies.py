@@ -13,7 +13,7 @@ from .edits import LETTERS, insert
 from .fields import calls
 from .formulas import text_of
 from .references import Names, call_of, dependent, referred, renamed_part, replaced, stage_of, with_references
-from .sums import between, plus, times
+from .values import between, plus, times
 
 # A drawing needs no more copies at once.
 MOST_COPIES = 1000

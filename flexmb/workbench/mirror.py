@@ -21,8 +21,7 @@ from .copies import cloned, moved, selected
 from .fields import Call
 from .image import image_of, scalars_of
 from .references import call_of, references, referred
-from .sums import negated, reflected
-from .values import value_in
+from .values import negated, reflected, value_in
 
 # Strains of a section that change sign where one of its axes is reversed.
 REVERSED = {"y": ("shear_y", "twist", "curvature_z"), "z": ("shear_z", "twist", "curvature_y")}

@@ -349,7 +349,7 @@ def test_what_is_not_used_is_told(monkeypatch):
         np.testing.assert_allclose(ends, [[0.05, 0.1], [-2e-3, 1e-3]], rtol=1e-12)
         raise fm.AnalysisError("seen", "")
 
-    monkeypatch.setattr("flexmb.answers.nominal_motion.inverse_dynamics", inverse_dynamics)
+    monkeypatch.setattr("flexmb.answers.mode_2_inverse.inverse_dynamics", inverse_dynamics)
     text = BASE.format(lines="TRAJE 1 1 0 0.6 1e-3\nSTARTDE 1 1 -2e-3 0.1", signals="NOMS 1 1 1\nREFX 1 2 1")
     found = asked(text, 2)
     velocity, late = found.data["warnings"]

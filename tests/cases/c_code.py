@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb.fmu.compiler import found_compiler
+from flexmb.fmu.save import found_compiler
 
 needs_compiler = pytest.mark.skipif(found_compiler() is None, reason="there is no C compiler: install gcc, or set $CC")
 

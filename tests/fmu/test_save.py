@@ -25,8 +25,8 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.errors import FlexmbWarning
 from flexmb.fmu import plant as plants
-from flexmb.fmu.compiler import compiled, found_compiler
 from flexmb.fmu.plant import Plant, Variable
+from flexmb.fmu.save import compiled, found_compiler
 from flexmb.mechanisms import mechanism_path
 from flexmb.trajectory import TimeVarying
 

@@ -14,7 +14,7 @@ import flexmb as fm
 from flexmb import spatial
 from flexmb.spacar.light import load_steps
 from flexmb.spacar.light_checks import check
-from flexmb.spacar.light_input import read
+from flexmb.spacar.light_fields import read
 
 STEEL = {"emod": 210e9, "smod": 80e9, "dens": 7800.0}
 UP = [0, 0, 1]  # width of the leaf springs along z

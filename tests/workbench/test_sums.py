@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexmb.spacar.arithmetic import is_number, names_in, renamed, value_of
-from flexmb.workbench import sums
+from flexmb.workbench import values as sums
 
 NAMES = {"a": 1.5, "b": -0.25, "e1": 3.0}
 LEAVES = st.sampled_from(["0", "1", "2.5", "-3", "1e-3", ".5", "a", "b", "e1", "-a", " 4 ", "- 2"])
