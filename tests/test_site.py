@@ -81,6 +81,16 @@ def test_reference_has_arguments_and_errors(site):
     assert "Raises" in page
 
 
+def test_pages_show_code_and_names_as_written(site):
+    for page in site[0]:
+        text = page.read_text(encoding="utf-8")
+        # Outside code blocks, whose colours split the text.
+        prose = re.sub(r"<(pre|script)\b.*?</\1>", "", text, flags=re.DOTALL)
+        assert "```" not in prose, page
+        assert not re.search(r":(?:func|class|meth|mod):", prose), page
+    assert "&lt;name&gt; middle" in (site[1] / "api/fm_blocks.html").read_text(encoding="utf-8")
+
+
 def test_every_block_is_in_the_gallery(site):
     page = (site[1] / "gallery.html").read_text(encoding="utf-8")
     for name in dir(blocks):

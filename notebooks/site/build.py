@@ -22,6 +22,11 @@ SITE = Path(__file__).parent.relative_to(ROOT)
 # Pages load this file from another host, so that their search works without a server; the site has its own.
 SHIM = "https://unpkg.com/iframe-worker/shim"
 LINK = re.compile(r"(?<=\]\()([^)\s]+)(?=\))")
+# A block of code with the name of its file.
+NAMED = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
+# What docstrings contain and pages would show wrongly: roles of Sphinx, and placeholders that look like tags.
+ROLE = re.compile(r":(?:func|class|meth|mod|attr|exc):<code>")
+PLACEHOLDER = re.compile(r"<(name|number|sign)>")
 FENCE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
 ROOMS = ("flexmb", "tests", "benchmarks", "notebooks")
 # The rooms of the API reference beside the names that `fm` offers itself.
@@ -100,7 +105,8 @@ def stage(page: Path, pages: Path) -> None:
     text = (ROOT / page).read_text(encoding="utf-8")
     target = pages / page
     target.parent.mkdir(parents=True, exist_ok=True)
-    target.write_text(outside_code(text, lambda part: LINK.sub(followed, part)), encoding="utf-8")
+    text = outside_code(text, lambda part: LINK.sub(followed, part))
+    target.write_text(NAMED.sub(r'```\1 title="\2"', text), encoding="utf-8")
 
 
 def notebook_page(source: Path, pages: Path) -> str:
@@ -210,7 +216,8 @@ def main() -> None:
         for page in folder.rglob("*.html"):
             text = page.read_text(encoding="utf-8")
             own = "../" * (len(page.relative_to(folder).parts) - 1) + "worker.js"
-            page.write_text(text.replace(SHIM, own), encoding="utf-8")
+            text = PLACEHOLDER.sub(r"&lt;\1&gt;", ROLE.sub("<code>", text.replace(SHIM, own)))
+            page.write_text(text, encoding="utf-8")
         print(f"The site is in {folder}: open index.html.")
 
 
