@@ -375,7 +375,7 @@ def _draw(found: Any, path: Path) -> None:
     from .files import write_whole
 
     if path.suffix == ".html":
-        from .viewer.answer import page
+        from .viewer.view import page
 
         write_whole(path, page(found))
     else:

@@ -35,6 +35,20 @@ from .sparse_solve import on_host
 from .sparse_spectrum import asks_for_all
 
 
+class _Loaded(NamedTuple):
+    """A state under loads.
+
+    Attributes:
+        factors: Load factors.
+        near: Its deformations, without a derivative.
+        at: The state.
+    """
+
+    factors: LoadFactors
+    near: Float[Array, "n_e"]
+    at: Balanced
+
+
 class _Growth(NamedTuple):
     """Displacements and stress resultants that the incremental loads add, to first order."""
 
@@ -43,28 +57,20 @@ class _Growth(NamedTuple):
 
 
 @jax.custom_jvp
-def _rates(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
-) -> Array:
+def _rates(topology: Topology, parameters: Parameters, loaded: _Loaded) -> Array:
     """Rates of coordinates that move and of multipliers with the increment's factor, in this state."""
     still = jnp.zeros(sum(indices.shape[0] for indices in unknowns(topology)[::2]))
-    right = -_imbalance(topology, parameters, factors, near, at, still)
-    rates, code = solution_at(topology, parameters, factors, near, at, right)
+    right = -_imbalance(topology, parameters, loaded, still)
+    rates, code = solution_at(topology, parameters, *loaded, right)
     if is_concrete(code) and int(code) != RESULTS.successful:
         raise AnalysisError(RESULTS(int(code)).name, RESULTS(int(code)).message)
     return rates
 
 
 @kernel
-def _imbalance(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    near: Float[Array, "n_e"],
-    at: Balanced,
-    rates: Float[Array, "r"],
-) -> Array:
+def _imbalance(topology: Topology, parameters: Parameters, loaded: _Loaded, rates: Float[Array, "r"]) -> Array:
     """Rate of the residual when the state changes at given rates."""
+    factors, near, at = loaded
     free = unknowns(topology)[0]
     n = free.shape[0]
     motion = put(jnp.zeros(topology.n_x), free, rates[:n])
@@ -79,38 +85,29 @@ def _imbalance(
 
 @_rates.defjvp
 def _rates_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    topology, own_parameters, own_factors, near, state = primals
+    topology, own_parameters, own = primals
     rates = _rates(*primals)
 
     def equations(parameters: Parameters, factors: LoadFactors, at: Balanced):
-        return _imbalance(topology, parameters, factors, near, at, rates)
+        return _imbalance(topology, parameters, _Loaded(factors, own.near, at), rates)
 
-    varied = tangents[1], tangents[2], tangents[4]
-    _, change = jvp_of_varied(equations, (own_parameters, own_factors, state), varied)
-    return rates, solution_at(topology, own_parameters, own_factors, near, state, -change)[0]
+    varied = tangents[1], tangents[2].factors, tangents[2].at
+    _, change = jvp_of_varied(equations, (own_parameters, own.factors, own.at), varied)
+    return rates, solution_at(topology, own_parameters, *own, right=-change)[0]
 
 
-def _growth(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
-) -> _Growth | None:
+def _growth(topology: Topology, parameters: Parameters, loaded: _Loaded) -> _Growth | None:
     """What the incremental loads add; None if all loads are scaled."""
     if parameters.increment is None:
         return None
-    near = jax.lax.stop_gradient(near)
-    return _grown(topology, parameters, factors, near, at, _rates(topology, parameters, factors, near, at))
+    loaded = loaded._replace(near=jax.lax.stop_gradient(loaded.near))
+    return _grown(topology, parameters, loaded, _rates(topology, parameters, loaded))
 
 
 @kernel
-def _grown(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    near: Float[Array, "n_e"],
-    at: Balanced,
-    rates: Float[Array, "r"],
-) -> _Growth:
+def _grown(topology: Topology, parameters: Parameters, loaded: _Loaded, rates: Float[Array, "r"]) -> _Growth:
     """Displacements and stress resultants from rates of the unknowns."""
-    free, fast, held = unknowns(topology)
+    (factors, near, at), (free, fast, held) = loaded, unknowns(topology)
 
     def moving(increment: Float[Array, ""]):
         return held_values(topology, parameters, LoadFactors(factors.initial, increment))[0]
@@ -128,14 +125,10 @@ def _grown(
 
 @kernel
 def _matrices(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    near: Float[Array, "n_e"],
-    at: Balanced,
-    growth: _Growth | None,
+    topology: Topology, parameters: Parameters, loaded: _Loaded, growth: _Growth | None
 ) -> MultiplierMatrices:
     """Constant and scaled stiffness as in :func:`.buckling.scaled_stiffness`, element by element."""
+    factors, near, at = loaded
     x, sigma = at.x, put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
     elements, _ = element_matrices(topology, parameters, factors, x, near, sigma)
     sizes, stressed, preload, moved = elements.sizes, elements.curved, None, elements.sizes
@@ -166,9 +159,9 @@ def _found(
     topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced, count: Array, solver: LinearSolver
 ) -> tuple[Buckled, Float[Array, ""]]:
     """Smallest multipliers about a state with their modes, and the motion by the scaled loads."""
-    near, (free, _, held) = _deformed(topology, parameters, at), unknowns(topology)
-    growth = _growth(topology, parameters, factors, near, at)
-    matrices = _matrices(topology, parameters, factors, near, at, growth)
+    loaded, (free, _, held) = _Loaded(factors, _deformed(topology, parameters, at), at), unknowns(topology)
+    growth = _growth(topology, parameters, loaded)
+    matrices = _matrices(topology, parameters, loaded, growth)
     n, h, k = free.shape[0], held.shape[0], count.shape[0]
     like = [jax.ShapeDtypeStruct(shape, float) for shape in ((k,), (n, k), (h, k), (k,))]
     moved = moved_by_loads(topology, parameters, at.x, None if growth is None else growth.x)
@@ -212,16 +205,10 @@ def moved_by_loads(
 
 @jit
 def _quotients(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    near: Float[Array, "n_e"],
-    at: Balanced,
-    growth: _Growth | None,
-    modes: Buckled,
+    topology: Topology, parameters: Parameters, loaded: _Loaded, growth: _Growth | None, modes: Buckled
 ) -> Array:
     """Second variations of the Lagrangian along modes. Their changes equal the changes of the multipliers."""
-    free, _, held = unknowns(topology)
+    (factors, near, at), (free, _, held) = loaded, unknowns(topology)
     loads = scaled_loads(parameters, factors)
     strained = deformations(topology, parameters, at.x, near)
     sigma = put(elastic_stress(topology, parameters, factors, strained), held, at.multipliers)
@@ -262,8 +249,8 @@ def _load_multipliers_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangen
     bounded = jnp.isfinite(buckled.values)
 
     def quotients(parameters: Parameters, factors: LoadFactors, at: Balanced):
-        growth = _growth(topology, parameters, factors, near, at)
-        return _quotients(topology, parameters, factors, near, at, growth, buckled)
+        loaded = _Loaded(factors, near, at)
+        return _quotients(topology, parameters, loaded, _growth(topology, parameters, loaded), buckled)
 
     _, change = jvp_of_varied(quotients, primals[1:4], tangents[1:4])
     changes = jnp.where(bounded, -1 / jnp.where(bounded, buckled.geometric, 1.0), 0.0) * change

@@ -158,3 +158,8 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
         for name, row in zip(own.names, rows, strict=True):
             values[k, known[name]] = np.interp(PLACES, np.asarray(own.places), row)
     return Colours(label, *colours_of(values[np.isfinite(values)], label), values)
+
+
+def page(answer: Any) -> bytes:
+    """Modes, path, motion or self-stress of an answer; its equilibrium or mechanism where it has no other."""
+    return view(answer.shown).html().encode()

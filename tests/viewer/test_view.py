@@ -20,8 +20,8 @@ from flexmb.answers.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.geometry import PLACES, lines
 from flexmb.plot.modes import factor_of
-from flexmb.viewer.answer import page
 from flexmb.viewer.page import document
+from flexmb.viewer.view import page
 
 SOURCE = Path(fm.__file__).parent / "viewer" / "src"
 
