@@ -81,26 +81,26 @@ app = typer.Typer(
 )
 
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.dat", help="SPACAR input file.")]
-Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JSON here; - for standard output.")]
-Save = Annotated[Path | None, typer.Option("--save", help="Save the answer as .npz or .mat.")]
-Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run here.")]
-Release = Annotated[str, typer.Option("--release", help="auto: release over-constraints.")]
+Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JSON to this file; - for standard output.")]
+Save = Annotated[Path | None, typer.Option("--save", help="Save the answer to a .npz or .mat file.")]
+Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run to this file.")]
+Release = Annotated[str, typer.Option("--release", help="auto releases over-constraints.")]
 Plot = Annotated[
-    Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to turn and play.")
+    Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf, or as .html to rotate and play.")
 ]
 PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png, .svg or .pdf.")]
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
 StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf.")]
 Numbers = Annotated[
-    list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="What {NAME} in the file stands for.")
+    list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="Value of {NAME} in the file.")
 ]
 Asks = Annotated[
     list[str] | None,
-    typer.Option("--ask", metavar="QUESTION", help="Ask of each state, as 'stiffness 3.y'; another word lists all."),
+    typer.Option("--ask", metavar="QUESTION", help="Question for each state, such as 'stiffness 3.y'; an unknown one lists all."),
 ]
 MaxSteps = Annotated[
     int | None,
-    typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Steps of a path (mode 10) at most, 200 unless given."),
+    typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Largest number of steps of a path (mode 10), 200 by default."),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
@@ -434,8 +434,8 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 @command
 def run(
     model: ModelFile,
-    mode: Annotated[str | None, typer.Option("--mode", help="Number, such as 7; another word lists all.")] = None,
-    analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode.")] = None,
+    mode: Annotated[str | None, typer.Option("--mode", help="Number of the mode, such as 7; an unknown one lists all.")] = None,
+    analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode, instead of its number.")] = None,
     numbers: Numbers = None,
     json_path: Json = None,
     save: Save = None,
@@ -471,16 +471,16 @@ def check(
 def verdict(
     model: ModelFile,
     stroke: Annotated[
-        str, typer.Option("--stroke", metavar="[NAME=]NUMBER", help="To both sides; of what, such as 3.x=5e-3.")
+        str, typer.Option("--stroke", metavar="[NAME=]NUMBER", help="Stroke to both sides, with its coordinate: 3.x=5e-3.")
     ],
     limit: Annotated[
-        list[str] | None, typer.Option("--limit", metavar="NAME=NUMBER", help="Such as 'frequency 1=50'.")
+        list[str] | None, typer.Option("--limit", metavar="NAME=NUMBER", help="Limit of a curve, such as 'frequency 1=50'.")
     ] = None,
     numbers: Numbers = None,
     json_path: Json = None,
     plot: PagePlot = None,
 ) -> None:
-    """Show on one page the forces and limits of a stroke; with --set also the effect of these numbers."""
+    """Show forces and limits of a stroke on one page; with --set also the effect of these numbers."""
     from . import __version__, read_spacar
     from . import verdict as judge
     from .design.stroke import StrokeError
@@ -515,9 +515,9 @@ def verdict(
 @command
 def fmu(
     model: ModelFile,
-    to: Annotated[Path, typer.Option("--to", help="Write the unit here, as .fmu.")],
+    to: Annotated[Path, typer.Option("--to", help="Write the unit to this .fmu file.")],
     mode: Annotated[
-        str, typer.Option("--mode", help="9 linear, 3 or 4 time-varying along a motion, 1 nonlinear.")
+        str, typer.Option("--mode", help="9: linear; 3 or 4: time-varying along a motion; 1: nonlinear.")
     ] = "9",
     fmi: Annotated[str, typer.Option("--fmi", help="Version of the standard, 3 or 2.")] = "3",
     numbers: Numbers = None,
@@ -596,7 +596,7 @@ def demo(
     listing: Annotated[bool, typer.Option("--list", help="List the shipped mechanisms.")] = False,
     to: Annotated[Path | None, typer.Option("--to", help="Copy the mechanism to this folder instead.")] = None,
 ) -> None:
-    """Run the main job on a mechanism that ships with the package, or copy it out."""
+    """Analyse a mechanism that ships with the package, or copy it to a folder."""
     from .mechanisms import mechanism_path, mechanisms
 
     if listing:
@@ -685,7 +685,7 @@ def sweep(
     json_path: Json = None,
     save: Save = None,
     checkpoint: Annotated[
-        Path | None, typer.Option("--checkpoint", help="Keep what is done here, and go on from it.")
+        Path | None, typer.Option("--checkpoint", help="Store finished designs in this file, and continue from it.")
     ] = None,
     plot: StudyPlot = None,
 ) -> None:
@@ -778,12 +778,12 @@ def _named(before: str, names: Iterable[str]) -> list[str]:
 @command
 def edit(
     model: Annotated[
-        Path | None, typer.Argument(metavar="[MODEL.dat]", help="SPACAR input file; none for a new one.")
+        Path | None, typer.Argument(metavar="[MODEL.dat]", help="SPACAR input file; without it a new mechanism.")
     ] = None,
-    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Where to listen; 0 for any port.")] = 0,
+    port: Annotated[int, typer.Option("--port", min=0, max=65535, help="Port of the page; 0 for any free port.")] = 0,
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Open the page in the browser.")] = True,
 ) -> None:
-    """Open the workbench in the browser: draw a mechanism, change it, and see what it does. Ctrl-C ends it."""
+    """Open the workbench in the browser, to draw and change a mechanism and see its answers. Ctrl-C ends it."""
     from .workbench.command import serve
 
     serve(model, port, browser, tell=_tell, refuse=_refuse)
