@@ -272,7 +272,7 @@ function start() {
     window.flexmb = new Viewer(data);
   } catch (fault) {
     byId("fault").hidden = false;
-    byId("fault").textContent = `This picture cannot be drawn: ${fault.message}. It takes a browser with WebGL 2.`;
+    byId("fault").textContent = `This picture cannot be drawn: ${fault.message}. It needs a browser with WebGL 2.`;
     throw fault;
   }
 }

@@ -12,7 +12,7 @@ const MOST_LABELS = 6;
 export function mobility(count, problems = []) {
   if (problems.length) {
     const more = problems.length > 1 ? ` And ${problems.length - 1} more.` : "";
-    return { state: "failed", text: `Left out until it is right: ${problems[0].message}${more}` };
+    return { state: "failed", text: `Left out until it is corrected: ${problems[0].message}${more}` };
   }
   if (!count) return { state: "waiting", text: "Counting …" };
   const { ndof, over, under, status, message } = count;
@@ -98,7 +98,7 @@ export function answers(store, { open }) {
     const computing = own?.status === "computing";
     say(stamp, computing ? "computing …" : "stale");
     stamp.hidden = !computing && !(stale && Object.keys(own.values ?? {}).length);
-    stamp.title = stale ? "These are the answers to the drawing as it was before." : "";
+    stamp.title = stale ? "These answers belong to the previous drawing." : "";
     // What the count says already is not said twice.
     const told = own?.message || (own?.status === "failed" ? "No answer." : "");
     say(
@@ -150,7 +150,7 @@ export function answers(store, { open }) {
     const pinned = store.state.pinned?.differences?.answers?.find((one) => one.key === key)?.before;
     const change = pinned && Number.isFinite(value) ? (value - pinned) / Math.abs(pinned) : null;
     say(number.lastChild, change === null ? "" : signed(100 * change));
-    number.lastChild.title = "Against the pinned design";
+    number.lastChild.title = "Compared with the pinned design";
   }
 
   watch(store, ["count", "problems"], counts);
@@ -166,7 +166,7 @@ function answerRow(store, key, open) {
   const number = h("data", { class: "number" }, h("span"), h("span", { class: "delta" }));
   const row = h(
     "button",
-    { type: "button", class: "answer plain", "data-answer": key, title: "Which way to go" },
+    { type: "button", class: "answer plain", "data-answer": key, title: "Show sensitivities" },
     h("span", { class: "what" }, h("span"), h("span", { class: "delta" })),
     sparkline([]),
     number,

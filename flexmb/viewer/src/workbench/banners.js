@@ -17,7 +17,7 @@ export function banners(store) {
     root.replaceChildren();
     if (!connected && !quiet) {
       const text =
-        reason || "No connection to flexmb. It is tried again all the time; what you change meanwhile is sent then.";
+        reason || "No connection to flexmb. The page keeps trying, and then sends your changes.";
       root.append(h("div", { class: "bad", id: "disconnected" }, h("p", {}, text)));
     }
     const offer = (id, text, take, keep) => {
@@ -27,10 +27,10 @@ export function banners(store) {
     };
     if (disk?.changed) {
       const text = `Another program changed ${disk.name ?? "the file"}. ${disk.summary ?? ""}`;
-      offer("file-changed", text, "Take it", "Keep what is here");
+      offer("file-changed", text, "Take it", "Keep the changes here");
     } else if (disk?.recovered) {
-      const text = `flexmb was ended before ${disk.name} was saved: ${disk.summary}`;
-      offer("recovered", text, store.state.file ? "Take the file as it is" : "Begin anew", "Go on with it");
+      const text = `flexmb ended before ${disk.name} was saved: ${disk.summary}`;
+      offer("recovered", text, store.state.file ? "Use the file on disk" : "Begin anew", "Continue with the changes");
     }
   }
   watch(store, ["connected", "disk", "reason"], update);

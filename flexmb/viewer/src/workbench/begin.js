@@ -7,10 +7,10 @@ import { takeTool } from "./toolbox.js";
 const HINTS = {
   select:
     "Click to select, drag to move, Shift adds to the selection. Drag over the ground: a rectangle; right button: the view.",
-  node: "Click where a node shall be; it snaps to the grid and to the axes of other nodes. Esc ends.",
+  node: "Click to place a node; it snaps to the grid and to the axes of other nodes. Esc ends.",
   measure: "Click two points to see their distance. Esc ends.",
   element: "Click the first node, then the next ones; empty ground makes a new node. Esc ends.",
-  block: "Click where its base is, then where it shall reach; its numbers stand in Properties. Esc ends.",
+  block: "Click the base, then the far end; its numbers are in Properties. Esc ends.",
   place: "Click the node or element it belongs to. Esc ends.",
 };
 
@@ -42,7 +42,7 @@ export function begin(store, { files }) {
     h(
       "div",
       { role: "region", "aria-label": "How to begin" },
-      h("h2", {}, "A mechanism under your hands"),
+      h("h2", {}, "Build a mechanism"),
       h(
         "ol",
         {},
@@ -51,11 +51,11 @@ export function begin(store, { files }) {
           {},
           "Draw nodes with N, and elements from node to node: a beam bends, a rigid body does not, and the far end of a rigid beam turns freely.",
         ),
-        h("li", {}, "Fix what stands still, put masses and forces where they are."),
+        h("li", {}, "Fix nodes that do not move, and add masses and forces."),
         h(
           "li",
           {},
-          "Watch frequencies, buckling and stress follow: drag a node, or write a name (t, 2*w) into a field to get a slider.",
+          "Drag a node, or write a name (t, 2*w) into a field to get a slider: frequencies, buckling and stress follow.",
         ),
       ),
       h("div", { class: "acts" }, node, open, space),

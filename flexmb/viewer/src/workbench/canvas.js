@@ -356,7 +356,7 @@ export class Canvas {
   /** What the tool waits for changed. */
   told() {
     const { prompt } = this.tool;
-    const shown = prompt || (this.analysed ? "An analysis is shown; Esc brings the live picture back" : "");
+    const shown = prompt || (this.analysed ? "The drawing shows an analysis; Esc returns to the live drawing" : "");
     this.promptBox.hidden = !shown;
     this.promptBox.textContent = shown;
     this.scene.style.cursor = prompt ? "crosshair" : "default";

@@ -10,7 +10,7 @@ export async function remove(canvas) {
   const name = one ? canvas.thing(ids[0])?.name ?? "" : ids.length;
   const reply = await canvas.edit([{ op: "delete", ids }], `Delete ${name}`);
   if (!reply) return;
-  const along = reply.also?.length ? ` With it ${reply.also.length} that hung on it.` : "";
+  const along = reply.also?.length ? ` ${reply.also.length} dependent things were deleted too.` : "";
   canvas.say(`Deleted ${words}.${along}`);
 }
 
@@ -18,7 +18,7 @@ export async function remove(canvas) {
 export async function duplicate(canvas) {
   const { document: own, selection } = canvas.store.state;
   if (!selection.length) {
-    canvas.say("Select what shall be copied.", true);
+    canvas.say("Select the things to copy.", true);
     return;
   }
   const step = String(Number((4 * canvas.step).toPrecision(12)));

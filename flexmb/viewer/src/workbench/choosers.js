@@ -108,7 +108,7 @@ export function choice(store, field, own) {
     const held = String(own.get(field.name) ?? "");
     const offered = (field.choices ?? []).map((one) => ({ value: String(one), text: String(one) }));
     if (field.optional || !held)
-      offered.unshift({ value: "", text: filled(field.default) ? `${field.default} (as usual)` : "–" });
+      offered.unshift({ value: "", text: filled(field.default) ? `${field.default} (default)` : "–" });
     choices(select, offered, held);
     note.tell(sent.fault());
   }
@@ -184,7 +184,7 @@ export function many(store, field, own) {
         .map((one) => one.trim())
         .filter(Boolean),
     );
-  return textRow(store, field, own, { get, send, rest: { placeholder: "names, with commas between" }, lazy: true });
+  return textRow(store, field, own, { get, send, rest: { placeholder: "names, separated by commas" }, lazy: true });
 }
 
 /** Parts with their factors: "A.x 0.5, B.x 0.5". */

@@ -18,7 +18,7 @@ export function compare(store) {
     const there = Boolean(pinned?.differences);
     unpin.hidden = !there;
     say(pin, there ? "Pin this one instead" : "Pin this design");
-    say(text, there ? "" : "Pin a design, change it, and see here what became of its numbers and answers.");
+    say(text, there ? "" : "Pin a design, then change it: this table shows the differences in numbers and answers.");
     text.hidden = there;
     table.hidden = !there;
     root.classList.toggle("stale", isStale(store.state));

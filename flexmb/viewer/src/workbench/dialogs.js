@@ -90,15 +90,15 @@ export function dialogs(store) {
       asked(`Repeat ${called(ids)}`, fields, { ...step(), count: "3" }, "Repeat", async ({ by, count }) => {
         const number = Number(count);
         if (!Number.isInteger(number) || number < 1 || number > 1000)
-          throw new Error("The number of copies is a whole one from 1 to 1000.");
+          throw new Error("The number of copies must be a whole number from 1 to 1000.");
         choose(await edit([{ op: "copy", ids: whole(ids), by, count: number }], `Repeat ${called(ids)}`));
       });
     },
     mirror(ids) {
       const axes = store.state.document.dimension === 2 ? ["x", "y"] : ["x", "y", "z"];
       const fields = [
-        { name: "axis", kind: "choice", choices: axes, doc: "The axis along which the mirror image lies" },
-        numberField("at", "m", { doc: "Where the mirror stands on this axis" }),
+        { name: "axis", kind: "choice", choices: axes, doc: "Axis along which to mirror" },
+        numberField("at", "m", { doc: "Position of the mirror on this axis" }),
       ];
       asked(`Mirror ${called(ids)}`, fields, { axis: "x", at: "0" }, "Mirror", async ({ axis, at }) =>
         choose(await edit([{ op: "mirror", ids: whole(ids), axis, at }], `Mirror ${called(ids)}`)),

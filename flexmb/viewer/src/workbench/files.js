@@ -30,7 +30,7 @@ export function files(store, canvas) {
     const reply = await store.ask("export", { kind, ...more });
     if (reply.name) leave(reply);
     const lost = [...list(reply), ...[].concat(reply.notes ?? [])];
-    if (lost.length) ask(`${reply.name}: what it does not hold`, plainly(lost), "", null);
+    if (lost.length) ask(`${reply.name}: not contained`, plainly(lost), "", null);
     else if (reply.name) toast(`${reply.name} is among your downloads.`);
   }
 
@@ -64,11 +64,11 @@ export function files(store, canvas) {
       const content = h(
         "div",
         {},
-        h("p", {}, "This kind of file cannot hold all of it. Without these it would be saved:"),
+        h("p", {}, "This kind of file cannot contain everything. These would be left out:"),
         plainly(lost),
-        h("p", {}, "A Python script holds everything."),
+        h("p", {}, "A Python script contains everything."),
       );
-      const own = ask("What a .dat file cannot hold", content, "Save without them", () =>
+      const own = ask("Not contained in a .dat file", content, "Save without them", () =>
         save(path, { ...more, anyway: true }),
       );
       own.querySelector(".buttons").prepend(
@@ -83,7 +83,7 @@ export function files(store, canvas) {
     if (reply.over && reply.saved === false) {
       ask(
         `${reply.over} is there already`,
-        h("p", {}, "Shall it be written over?"),
+        h("p", {}, "Overwrite it?"),
         "Write over it",
         () => save(path, { ...more, over: true }),
         { danger: true },
@@ -108,7 +108,7 @@ export function files(store, canvas) {
       h(
         "p",
         { class: "note" },
-        "The ending says what it becomes: .dat, .py or .json. A name without folders lies where the workbench was started.",
+        "The ending sets the kind of file: .dat, .py or .json. A name without a folder goes to the folder where the workbench was started.",
       ),
     );
     name.style.width = "100%";
@@ -137,7 +137,7 @@ export function files(store, canvas) {
       upload,
       store.state.saved
         ? null
-        : h("p", { class: "problem" }, "What is open was not saved. Undo brings it back after opening."),
+        : h("p", { class: "problem" }, "The open mechanism is not saved. Undo restores it after opening."),
     );
     ask("Open a mechanism", content, "Open", async () => {
       const [file] = upload.files;

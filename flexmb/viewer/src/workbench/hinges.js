@@ -18,7 +18,7 @@ export function hinged(canvas, node, element, taken) {
   const full = names.length === 2 ? names.flatMap((name) => [name, name]) : names.slice();
   const at = full.indexOf(node);
   if (at < 0 || full.length !== 4) {
-    throw new Error(`${element} has no end at ${node} that could turn there: click an element that ends at the node.`);
+    throw new Error(`${element} has no end at ${node} that could turn: click an element that ends at this node.`);
   }
   const name = freeName(canvas, `${node} turn`, taken);
   full[at + 1] = name;

@@ -176,8 +176,8 @@ function nextSteps(store) {
   if (!all.length) return [];
   const steps = [];
   if (!has("element", "block")) steps.push(["Put elements between nodes", `${inPlane}.beam`]);
-  if (!has("support")) steps.push(["Fix what stands still", "fix"]);
-  if (!has("mass") && has("element", "block")) steps.push(["Put a mass where the load is", "mass"]);
+  if (!has("support")) steps.push(["Fix a node", "fix"]);
+  if (!has("mass") && has("element", "block")) steps.push(["Add a mass", "mass"]);
   if (!has("load") && has("support")) steps.push(["A force shows displacement, stress and buckling", "force"]);
   return steps;
 }

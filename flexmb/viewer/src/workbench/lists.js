@@ -143,7 +143,7 @@ export function sections(store, dialogs, { open }) {
   const none = h(
     "p",
     { class: "soft" },
-    "A section is the shape and the material of elements; the first element brings one along, or add it here.",
+    "A section is the shape and material of an element. The first element adds one, or add it here.",
   );
   root.append(adds, none, list.element);
   const chooser = (kind, text) => {

@@ -62,7 +62,7 @@ function drawing() {
   try {
     return new Canvas({ scene: byId("scene"), overlay: byId("overlay"), store });
   } catch (fault) {
-    toast(`The mechanism cannot be drawn: ${fault.message}. It takes a browser with WebGL 2.`);
+    toast(`The mechanism cannot be drawn: ${fault.message}. It needs a browser with WebGL 2.`);
     return null;
   }
 }

@@ -64,9 +64,9 @@ export class Placing {
     if (this.kind === "node") return "Click where the node shall be";
     const { slot, given, title, call } = this;
     if (!slot) return `${title}: click anywhere to add it`;
-    if (slot.what === "direction") return `${title}: click in which direction it shall stand`;
+    if (slot.what === "direction") return `${title}: click its direction`;
     if (isHinge(call)) return `${title}: click ${given.length ? "the element that turns there" : "the node"}`;
-    if (call.startsWith("blocks.")) return `${title}: click where it stands`;
+    if (call.startsWith("blocks.")) return `${title}: click its position`;
     if (slot.list) return `${title}: click ${given.length ? "the next" : "its first"} end`;
     const what = { of: "the node or element", element: "the element" }[slot.what] ?? "the node";
     return `${title}: click ${what}${this.slots.length > 1 ? ` (${slot.field})` : ""}`;
@@ -208,7 +208,7 @@ export class Placing {
       });
       await canvas.reached(revision);
       const found = canvas.nodeOn(place.point);
-      if (!found) throw new Error(`Element ${place.line.name} was divided, but its new node is not found.`);
+      if (!found) throw new Error(`Element ${place.line.name}was divided, but its new node was not found.`);
       return found.name;
     }
     const name = freshName(canvas, taken);

@@ -197,7 +197,7 @@ export class Store {
     const id = this.number;
     const text = JSON.stringify({ id, do: verb, ...own });
     if (text.length > LONGEST_MESSAGE) {
-      const message = `This is too much for one message: ${text.length} letters, where ${LONGEST_MESSAGE} are the most.`;
+      const message = `This is too much for one message: ${text.length} letters, but at most ${LONGEST_MESSAGE} are allowed.`;
       return Promise.reject(new Problem({ message }));
     }
     return new Promise((resolve, reject) => {
@@ -233,13 +233,13 @@ export class Store {
   restarted() {
     const jobs = {};
     for (const [id, job] of Object.entries(this.state.jobs)) {
-      jobs[id] = job.status === "running" ? { ...job, status: "failed", text: "The workbench was started again." } : job;
+      jobs[id] = job.status === "running" ? { ...job, status: "failed", text: "The workbench was restarted." } : job;
     }
     this.put({ jobs, answers: null, count: null, ways: null, disk: null });
     this.asked.forEach(({ verb, reject }, id) => {
       if (verb !== "target" && verb !== "run" && verb !== "stop") return;
       this.asked.delete(id);
-      reject(new Problem({ message: "The workbench was started again: ask once more." }));
+      reject(new Problem({ message: "The workbench was restarted: ask again." }));
     });
   }
 

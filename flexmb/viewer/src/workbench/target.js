@@ -14,17 +14,17 @@ export function target(store) {
   const none = h(
     "p",
     { class: "note" },
-    "Give a number a name first (in Names, or by writing it into a field): names are what a target may change.",
+    "Give a number a name first, in Names or in a field. A target changes only names.",
   );
   const fault = h("p", { class: "problem", role: "alert", hidden: true });
   const go = button("Find it", find, { class: "main", id: "find" });
   const add = button("+ Another", () => more());
   const running = h("div");
   root.append(
-    h("h2", {}, "What it shall be"),
+    h("h2", {}, "Targets"),
     rows,
     h("div", { class: "acts" }, add),
-    h("h2", {}, "What may change"),
+    h("h2", {}, "Names that may change"),
     ticks,
     none,
     h("div", { class: "acts" }, go),
@@ -57,7 +57,7 @@ export function target(store) {
     value.addEventListener("input", () => {
       want.value = value.value;
       const bad = !want.value.trim();
-      say(note, bad ? "A number is wanted here, such as 20, 300 MPa or 2*f." : "");
+      say(note, bad ? "Give a number, such as 20, 300 MPa or 2*f." : "");
       note.hidden = !bad;
       set(value, "aria-invalid", bad ? "true" : null);
     });

@@ -72,7 +72,7 @@ export function toolbox(store, { open }) {
   });
   const plain = h("div", { role: "group", "aria-label": "Tools" });
   const groups = h("div", { class: "tools" });
-  const none = h("p", { class: "soft", hidden: true }, "Nothing of that name.");
+  const none = h("p", { class: "soft", hidden: true }, "Nothing has this name.");
   root.append(search, plain, groups, none);
   search.addEventListener("input", list);
   search.addEventListener("keydown", (event) => {

@@ -72,7 +72,7 @@ class Select {
     const { canvas } = this;
     const ids = nodesOf(canvas, canvas.store.state.selection);
     if (!ids.length) {
-      canvas.say("This goes with its node: move that.");
+      canvas.say("This moves with its node: move the node.");
       this.start = null;
       return null;
     }
@@ -115,7 +115,7 @@ class Select {
     canvas.tip(null);
     if (dragging) {
       dragging.cancel();
-      canvas.say("Back to where it was.");
+      canvas.say("Moved back.");
       return true;
     }
     const was = this.rectangle && this.end;

@@ -64,12 +64,12 @@ export function ways(store) {
   }
 
   function told(want, ready, own, all) {
-    if (!want.sensitivity_of) return "Choose an answer to see which numbers move it, and which way.";
+    if (!want.sensitivity_of) return "Choose an answer to see its sensitivity to each number.";
     if (!ready || own.status === "computing") return "Computing …";
     if (own.message) return own.message;
     if (!all.length)
-      return kind.value === "by_name" ? "No name moves it. Look at every number, or give names." : "Nothing moves it.";
-    return [...(own.words ?? []), "How much the answer changes where a number grows by 1 %."].join(" ");
+      return kind.value === "by_name" ? "It depends on no name. Look at every number, or add names." : "It depends on no number.";
+    return [...(own.words ?? []), "Change of the answer if a number grows by 1 %."].join(" ");
   }
 
   function fill(row, { key, slope, share }, most) {
