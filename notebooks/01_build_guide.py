@@ -91,7 +91,7 @@ slope = fm.jit(jax.grad(lambda thickness: fm.frequencies(guide(thickness))[0]))(
 print(f"{slope:.4f} Hz/m: one hundredth of a millimetre more gives {slope * 1e-5:.3f} Hz more")
 
 # %% [markdown]
-# ## A mistake is answered by its name
+# ## An error names its cause
 #
 # If the right leaf spring cannot bend, the stage cannot move. The error names the elements that work against each
 # other. It also names a deformation whose release removes the conflict. The error cannot know the intention of the

@@ -43,7 +43,7 @@ def guide(released, *, right=leaf, right_released=None):
 
 
 # %% [markdown]
-# ## Counting, and what counting does not see
+# ## The count, and what it misses
 #
 # A designer counts torsion and soft bending as free, and all other deformations as constrained. The count NDOF = NX −
 # NXO − NEO is then zero, although the guide moves along y. One constraint therefore exists twice. `fm.mobility`

@@ -106,8 +106,8 @@ ax = fm.plot.mechanism(free(**lightest.dimensions))
 #
 # So far a leaf spring was a cubic beam, which has a closed form. Near its clamps a leaf spring is a plate, stiffer by
 # $1/(1-\nu^2)$, and may be 1 % thinner for the same frequency. `planar.leaf_spring` includes this effect. The material
-# here is a spring steel of the catalogue with known strength: `utilisation` is the share of it that a stroke of 5 mm
-# uses.
+# here is a spring steel of the catalogue with known strength: `utilisation` is the share of this strength that a stroke
+# of 5 mm uses.
 
 # %%
 spring_steel = fm.materials.stainless_17_7

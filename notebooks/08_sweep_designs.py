@@ -17,8 +17,7 @@ cache = fm.enable_cache(thorough=False)
 # %% [markdown]
 # ## A function of named dimensions, answers as functions of the model
 #
-# The same two things serve all questions. The load of 1 N on either end of the stage is for the buckling load, which is
-# a multiple of it.
+# Both serve all questions. A load of 1 N acts on each end of the stage. The buckling load is a multiple of this load.
 
 # %%
 E, rho = 210e9, 7850.0
@@ -48,8 +47,8 @@ answers = {
 }
 
 # %% [markdown]
-# `increment=True` makes the forces incremental loads: the frequency is that of the unloaded guide, and buckling returns
-# the factor of the increment.
+# `increment=True` makes the forces incremental loads: the frequency belongs to the unloaded guide, and buckling returns
+# the factor of these loads.
 #
 # ## Sensitivities
 #
@@ -61,13 +60,13 @@ sensitivities = fm.sensitivities(guide, answers, design)
 print(sensitivities)
 
 # %% [markdown]
-# Thickness and length matter most, with powers of three in the stiffness and half of that in the frequency. The width
-# enters both answers at most in the first power.
+# Thickness and length matter most: their power is three in the stiffness and 1.5 in the frequency. The width enters
+# both answers at most in the first power.
 #
 # ## Tolerances
 #
-# Standard deviations of the dimensions determine those of the answers, and the share of each dimension. `samples` adds
-# a Monte Carlo computation, which shows whether the first order suffices.
+# Standard deviations of the dimensions determine standard deviations of the answers, and the share of each dimension.
+# `samples` adds a Monte Carlo computation, which shows whether the first order suffices.
 
 # %%
 deviations = {"thickness": 5e-6, "length": 20e-6, "width": 50e-6, "mass": 1e-3}

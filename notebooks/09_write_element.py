@@ -1,8 +1,8 @@
 # %% [markdown]
 # # Write your own element
 #
-# **Question.** How does a notch hinge, which flexmb does not have as an element, become one, and does a guide on four
-# of them have the right stiffness?
+# **Question.** How do you write a notch hinge as an element of your own, and does a guide on four of them have the
+# right stiffness?
 #
 # A notch hinge is a block with two circular cuts that leave a thin neck. It bends at the neck and is stiff elsewhere. A
 # mechanism has many of them, and one number of each matters: the rotational stiffness of the neck.
@@ -125,9 +125,9 @@ print(f"drive stiffness {drive:.3f} N/m; one percent of the neck makes {by_neck.
 # ## Is it an element?
 #
 # The commonest mistake is a deformation that changes in a rigid motion. `fm.check_element` tests this and everything
-# else that the analyses rely on, in states about several undeformed ones. It returns how accurately each law holds, or
-# raises an error that says what is wrong. Here is an element whose distance is measured in global axes instead of axes
-# of body p:
+# else that the analyses rely on, in states near several undeformed mechanisms. It returns how accurately each law
+# holds, or raises an error that names the broken laws. Here is an element whose distance is measured in global axes
+# instead of axes of body p:
 
 # %%
 sizes = {"radius": radius, "neck": neck, "depth": depth, "E": E}
@@ -149,8 +149,8 @@ print(refused)
 # %% [markdown]
 # ## What the numbers are compared with
 #
-# *The neck.* Of a thin neck only the neighbourhood bends, where $h \approx t + x^2/r$. The integral then has the closed
-# form of Paros and Weisbord, $k_\varphi = \frac{2Eb\,t^{5/2}}{9\pi\sqrt r}$, with an error of the order $t/r$.
+# *The neck.* A thin neck bends only near its middle, where $h \approx t + x^2/r$. The integral then has the closed form
+# of Paros and Weisbord, $k_\varphi = \frac{2Eb\,t^{5/2}}{9\pi\sqrt r}$, with an error of the order $t/r$.
 #
 # *A finer model.* One hinge as 60 cubic beams, each with its height in the middle. A moment turns its end.
 #

@@ -166,8 +166,8 @@ plt.show()
 # - **Warping** (rx). A twisted strip moves out of its cross-sections. A clamp prevents this, and twist builds up over a
 #   quarter of the width: the share $2\tanh(\alpha L/2)/(\alpha L)$, $\alpha^2 = 24(1-\nu)/w^2$.
 #
-# **Shear** (y), which cubic beams neglect, increases it by $3EI_z/(GA\,k\,L^2)$ of the compliance under a force at the
-# tip, and by four times this share if the tip cannot turn, as in the guide about x.
+# **Shear** (y), which cubic beams neglect, increases the compliance under a force at the tip by the share
+# $3EI_z/(GA\,k\,L^2)$. If the tip cannot turn, as in the guide about x, the share is four times as large.
 
 # %%
 nu = float(steel.poisson())
@@ -196,14 +196,14 @@ for name, width in widths.items():
     print("\n".join(f"  {axis:6} {formula:+7.2f} {computed:+7.2f}" for axis, formula, computed in rows))
 
 # %% [markdown]
-# **At a stroke** the same two causes grow. A force across the drive (y) acts on a stage that is 10 mm aside of the
-# feet, and so twists the leaf springs that it bends sideways; the guide yields by twist. The torque is largest at the
-# clamps. There a leaf spring does not twist, since warping is restrained, but a beam does. So one spectral beam and
+# **At a stroke** the same two causes grow. A force across the drive (y) acts on a stage that has moved 10 mm away from
+# the feet. It bends the leaf springs sideways and also twists them, so the guide is softer. The torque is largest at
+# the clamps. There a leaf spring does not twist, since warping is restrained, but a beam does. So one spectral beam and
 # sixteen cubic ones are 20 to 33 % too soft in y, rx and rz, and 66 to 72 % with leaf springs of 50 mm, although they
 # have converged. A factor on the torsional stiffness cannot correct this, since the torque varies.
 #
-# **Four cubic beams look better by luck.** Each of them is too stiff where a load bends it further, an error of the
-# other sign: in y, rx and rz they are a fifth stiffer than sixteen, and along x 4 %. With more beams this error
+# **Four cubic beams look better by luck.** Each of them is too stiff if a load bends it further. This error has the
+# other sign: four beams are a fifth stiffer than sixteen in y, rx and rz, and 4 % along x. With more beams this error
 # vanishes, and the answer gets worse.
 #
 # **The drive** stays 3 to 4 % too soft with beams, since leaf springs are bent near their clamps. Leaf springs of 50 mm

@@ -64,11 +64,11 @@ print(f"unit of force {1e6 * unit:.4f} µN")
 # ## Pushed through
 #
 # `stop` ends the path at a displacement of the middle, twice the height down, rather than at a load. On the way the
-# beam reaches bifurcations. The state in which it is only pressed flatter continues, but is unstable. The beam buckles
-# into a mode of a clamped column: the **second** if its middle may turn, the **third** if not.
+# beam reaches bifurcations. The symmetric state, in which the beam is only pressed flatter, continues but is unstable.
+# The beam buckles into a mode of a clamped column: the **second** if its middle may turn, the **third** if not.
 #
 # `switch={1: 1, 2: 1}` leaves the first bifurcation along this mode, and the second one again. There the branch meets
-# the state that is only pressed, now upside down, and the path continues on it as the load rises.
+# the symmetric state, now upside down, and the path follows this state as the load rises.
 
 # %%
 models = {"third mode": snapping(1), "second mode": snapping(2)}

@@ -44,9 +44,9 @@ ax = fm.plot.mechanism(pivot(**dimensions))
 # %% [markdown]
 # ## The page
 #
-# The mirror's angle is driven, to both sides. Stiffness and shift are those of the point of the mirror on the axis.
-# Strength and fatigue are always limits. Two more are added: a support stiffness along y of 0.5 N/µm, and a shift of
-# the axis along y of 0.1 mm at most.
+# The mirror's angle is driven, to both sides. Stiffness and shift refer to the point of the mirror on the axis.
+# Strength and fatigue are always limits. The call adds two more limits: a support stiffness along y of 0.5 N/µm, and a
+# shift of the axis along y of 0.1 mm at most.
 
 # %%
 wanted = {"stiffness y": 0.5e6, "parasitic y": 0.1e-3}
@@ -56,7 +56,7 @@ print(page)
 # %% [markdown]
 # Each row is a subject. The table below has the curves at every stroke; `page.curves["force"]` and so on are arrays.
 # Frequencies and buckling belong to the mechanism without the drive, with the drive's moment as a dead load. For the
-# support stiffness the drive holds. A row of its own lists questions without an answer.
+# support stiffness the drive is fixed. A separate row lists questions without an answer.
 #
 # The same as a picture:
 

@@ -133,8 +133,8 @@ print(fm.control.closed_loop(along.at_time(40), designs["broad notch at 4 Hz"]))
 # ## The travel, and a step
 #
 # The cabin is 1 kg heavier than the feedforward assumes. At 3.5 s a step asks for 10 mm more. The controller may use
-# 2 N m of the motor at most: `fm.control.saturated` limits it, and leads the integrator back with a time constant of
-# 0.2 s. Feedforward by `inputs=` and feedback by `control=` work together.
+# 2 N m of the motor at most: `fm.control.saturated` limits it, and keeps the integrator from winding up, with a time
+# constant of 0.2 s. Feedforward by `inputs=` and feedback by `control=` work together.
 
 # %%
 heavy, added, late, limit, tracking = elevator(11.0), 0.01, 3.5, 2.0, 0.2

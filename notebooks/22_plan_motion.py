@@ -73,7 +73,7 @@ print(nominal)
 
 # %% [markdown]
 # The tool's height changes by a few millimetres on the way: one motor moves it along one curve. `f0` is the force that
-# would hold the bending of the arm at zero. Nothing provides it, so the arm vibrates.
+# would hold the bending of the arm at zero. The real mechanism has no such force, so the arm vibrates.
 #
 # ## Feedforward
 #

@@ -30,7 +30,8 @@ cache = fm.enable_cache(thorough=False)
 # ## The lattice
 #
 # 40 by 12 cells of 5 mm, of printed rubber (TPU), 10 mm deep. The wall holds the left ends, without beams along it; 2 N
-# are spread over the right side. Sparse solvers need no degrees of freedom, so `build(check=False)` finds none.
+# are spread over the right side. Sparse solvers need no degrees of freedom, so `build(check=False)` does not search for
+# them.
 
 # %%
 columns, rows, cell, width, load = 40, 12, 5e-3, 10e-3, 2.0
@@ -55,8 +56,8 @@ print(len(beams), "beams,", len(lattice.parameters.reference), "coordinates")
 # ## A thousand dimensions
 #
 # `with_property` puts a thousand thicknesses into the model as one array, in the order in which the beams were added,
-# without building it again. The wanted edge is a curve over the place. The objective is the distance of its nodes from
-# the curve.
+# without building it again. The wanted edge is a curve. The objective is the distance of the nodes of the edge from
+# this curve.
 
 # %%
 length, height, drop = columns * cell, rows * cell, 30e-3
@@ -93,8 +94,9 @@ print(f"of equal thickness the edge misses by {1e3 * np.sqrt(square_at_start):.1
 # %% [markdown]
 # ## The derivative by a thousand thicknesses
 #
-# `jax.grad` finds all derivatives by one more solution with the last factors of the equilibrium, whatever their number
-# ([timing](../benchmarks/README.md#designs-of-the-large)). Along any one direction a difference quotient must agree.
+# `jax.grad` finds all derivatives by one more solution with the last factors of the equilibrium, for any number of
+# thicknesses ([timing](../benchmarks/README.md#designs-of-the-large)). Along any one direction a difference quotient
+# must agree.
 
 # %%
 gradient = jax.grad(deviation)(start)

@@ -2,7 +2,7 @@
 # # 27 Fit a guide from its frequency response
 #
 # **Question.** A guide was built and its frequency response was measured. How thick are its leaf springs, how stiff is
-# the clamp, and what does the measurement not tell?
+# the clamp, and which numbers does the measurement not determine?
 
 # %%
 import numpy as np
@@ -57,8 +57,8 @@ deviation = 0.02 * np.abs(clean)
 values = clean + deviation * (rng.standard_normal(200) + 1j * rng.standard_normal(200))
 
 # %% [markdown]
-# The fit starts from the drawing, up to 20 % off. Names of parameters that the model does not take are parameters of
-# the measurement.
+# The fit starts from the drawing, up to 20 % off. Parameters that are no arguments of the model belong to the
+# measurement.
 
 # %%
 data = fm.measured_response(hertz, values, deviation, loss_factor="loss", gain="gain", delay="delay")
@@ -76,14 +76,14 @@ print(found)
 
 # %% [markdown]
 # Chi-squared is near its degrees of freedom: the model explains the data within their scatter. The correlation shows
-# which parameters the data tell apart badly. Here these are the mass, the thickness and the gain: all three change the
-# height of the response.
+# the parameters that the data hardly separate. Here these are the mass, the thickness and the gain: all three change
+# the height of the response.
 
 # %%
 figure = fm.plot.fit(found)
 
 # %% [markdown]
-# Every parameter has a confidence interval. Predictions inherit the scatter, also those of answers that were never
+# Every parameter has a confidence interval. Predictions have standard deviations too, also for answers that were never
 # measured.
 
 # %%
@@ -94,7 +94,8 @@ for name, prediction in found.predict(["frequency 1", "frequency 3", "stiffness 
     print(f"{name}: {prediction.value:.5g} ± {prediction.deviation:.2g}")
 
 # %% [markdown]
-# What would narrow the mass most? Three more measurements are possible. Each has its expected deviation.
+# Which further measurement would reduce the uncertainty of the mass most? Three are possible, each with its expected
+# deviation.
 
 # %%
 candidates = [
@@ -106,7 +107,7 @@ for name, share in found.next_measurement(candidates, narrow="mass"):
     print(f"{name}: {100 * share:.0f} % of the standard deviation remain")
 
 # %% [markdown]
-# All intervals of four standard deviations contain the truth, and every start parameter was more than that away.
+# All intervals of four standard deviations contain the true value. Every start value was outside its interval.
 
 # %%
 for name, value in truth.items():

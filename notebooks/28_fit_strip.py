@@ -23,9 +23,9 @@ MEASURED = np.array([[1.4, 10.3, 27.7], [10.2, 25.2, 47.0], [14.8, 36.1, 62.9]])
 
 # %% [markdown]
 # The drawing: a strip of 1 x 0.063 inches, 37.5 inches long, clamped 2.5 inches from the axis. The model lies in the
-# plane of rotation, with the soft direction of the strip in this plane. Flapping is out of this plane, where the
-# centrifugal force has no part that drives the strip outwards. For a straight strip the frequencies of both directions
-# are related by $f_\mathrm{flap}^2 = f_\mathrm{plane}^2 + n^2$, with the speed $n$.
+# plane of rotation, with the soft direction of the strip in this plane. Flapping is a motion out of this plane. The
+# centrifugal force has no component in this direction. For a straight strip the frequencies of both directions are
+# related by $f_\mathrm{flap}^2 = f_\mathrm{plane}^2 + n^2$, with the speed $n$.
 
 
 # %%
@@ -65,8 +65,9 @@ print("computed less measured [%]:\n", (100 * (drawing / MEASURED - 1)).round(1)
 
 # %% [markdown]
 # The strip at rest agrees with beam theory: its first frequency is $1.875^2/(2\pi)\sqrt{EI/(\rho A L^4)}$. All measured
-# frequencies but one are 5 to 10 % higher. A clamp that gives would only lower the computed ones. At 500 rpm the first
-# frequency hardly depends on the stiffness, yet it is 10 % off: the stiffness alone cannot explain the difference.
+# frequencies but one are 5 to 10 % higher. A compliant clamp would only lower the computed frequencies. At 500 rpm the
+# first frequency hardly depends on the stiffness, yet it is 10 % off: the stiffness alone cannot explain the
+# difference.
 #
 # Which numbers could? The fit varies the modulus and the distance of the clamp from the axis. The measured numbers have
 # one decimal, and the paper states no scatter: 1 % and half a digit are assumed.
@@ -89,12 +90,12 @@ for name, unit, size in (("modulus", "GPa", 1e9), ("offset", "inches", INCH)):
 figure = fm.plot.fit(found)
 
 # %% [markdown]
-# The data exclude the offset of the drawing, 2.5 inches, by many standard deviations, and ask for a strip that is some
-# 13 % stiffer. What remains is the first frequency at rest. Its printed value of 1.4 Hz is the lowest of all four
+# The data exclude the offset of the drawing, 2.5 inches, by many standard deviations, and require a strip that is about
+# 13 % stiffer. Only the first frequency at rest still disagrees. Its printed value of 1.4 Hz is the lowest of all four
 # strips of the paper, whose other three have 1.6 to 1.8 Hz. The warning above names it.
 #
-# A stiffer strip and a shorter one look alike. The fit says so if both may vary: it names the combinations that the
-# frequencies determine.
+# A stiffer strip and a shorter one look alike. The fit reports this if both may vary: it names the combinations that
+# the frequencies determine.
 
 # %%
 with warnings.catch_warnings(record=True) as caught:
