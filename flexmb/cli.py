@@ -81,7 +81,9 @@ app = typer.Typer(
 )
 
 ModelFile = Annotated[Path, typer.Argument(metavar="MODEL.dat", help="SPACAR input file.")]
-Json = Annotated[str | None, typer.Option("--json", help="Write the answer as JSON to this file; - for standard output.")]
+Json = Annotated[
+    str | None, typer.Option("--json", help="Write the answer as JSON to this file; - for standard output.")
+]
 Save = Annotated[Path | None, typer.Option("--save", help="Save the answer to a .npz or .mat file.")]
 Log = Annotated[Path | None, typer.Option("--log", help="Write the log of the run to this file.")]
 Release = Annotated[str, typer.Option("--release", help="auto releases over-constraints.")]
@@ -91,16 +93,18 @@ Plot = Annotated[
 PagePlot = Annotated[Path | None, typer.Option("--plot", help="Draw the page as .png, .svg or .pdf.")]
 StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and answers.")]
 StudyPlot = Annotated[Path | None, typer.Option("--plot", help="Draw the answer as .png, .svg or .pdf.")]
-Numbers = Annotated[
-    list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="Value of {NAME} in the file.")
-]
+Numbers = Annotated[list[str] | None, typer.Option("--set", metavar="NAME=NUMBER", help="Value of {NAME} in the file.")]
 Asks = Annotated[
     list[str] | None,
-    typer.Option("--ask", metavar="QUESTION", help="Question for each state, such as 'stiffness 3.y'; an unknown one lists all."),
+    typer.Option(
+        "--ask", metavar="QUESTION", help="Question for each state, such as 'stiffness 3.y'; an unknown one lists all."
+    ),
 ]
 MaxSteps = Annotated[
     int | None,
-    typer.Option("--max-steps", min=1, max=MOST_STEPS, help="Largest number of steps of a path (mode 10), 200 by default."),
+    typer.Option(
+        "--max-steps", min=1, max=MOST_STEPS, help="Largest number of steps of a path (mode 10), 200 by default."
+    ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show a traceback for an unexpected fault.")]
 
@@ -434,7 +438,9 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 @command
 def run(
     model: ModelFile,
-    mode: Annotated[str | None, typer.Option("--mode", help="Number of the mode, such as 7; an unknown one lists all.")] = None,
+    mode: Annotated[
+        str | None, typer.Option("--mode", help="Number of the mode, such as 7; an unknown one lists all.")
+    ] = None,
     analysis: Annotated[str | None, typer.Option("--analysis", help="Name of the mode, instead of its number.")] = None,
     numbers: Numbers = None,
     json_path: Json = None,
@@ -471,10 +477,12 @@ def check(
 def verdict(
     model: ModelFile,
     stroke: Annotated[
-        str, typer.Option("--stroke", metavar="[NAME=]NUMBER", help="Stroke to both sides, with its coordinate: 3.x=5e-3.")
+        str,
+        typer.Option("--stroke", metavar="[NAME=]NUMBER", help="Stroke to both sides, with its coordinate: 3.x=5e-3."),
     ],
     limit: Annotated[
-        list[str] | None, typer.Option("--limit", metavar="NAME=NUMBER", help="Limit of a curve, such as 'frequency 1=50'.")
+        list[str] | None,
+        typer.Option("--limit", metavar="NAME=NUMBER", help="Limit of a curve, such as 'frequency 1=50'."),
     ] = None,
     numbers: Numbers = None,
     json_path: Json = None,

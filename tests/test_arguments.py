@@ -252,7 +252,7 @@ FUNCTIONS = {
     ),
     "a table of one number on a node": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1": fm.motion.Table(jnp.array([0.0, 1.0]), jnp.array([0.0, 1.0]))}),
-        r"Load '1' must give 2 numbers",
+        r"Load '1' must return 2 numbers",
     ),
     "a table that runs backwards": (
         lambda: fm.simulate(MODEL, TIMES, loads={"1.x": fm.motion.Table(jnp.array([1.0, 0.0]), jnp.zeros(2))}),

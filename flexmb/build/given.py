@@ -40,7 +40,7 @@ def number_in(component: Any) -> int | None:
 def some_of(what: str, of: Any, given: tuple) -> tuple:
     """Arguments of which there must be at least one."""
     if not given:
-        raise ModelError(f"{what.capitalize()} of '{of}' has no names. Name components or deformations.")
+        raise ModelError(f"{what.capitalize()} of '{of}' is empty. Name components or deformations.")
     return given
 
 

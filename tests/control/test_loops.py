@@ -230,7 +230,7 @@ LAG: Any = control.StateSpace([[-1.0]], [[1.0]], [[1.0]], [[0.0]])
         (lambda: fm.control.saturated(INTEGRATOR * INTEGRATOR, 1.0, tracking=0.1), "form a chain"),
         (lambda: fm.control.saturated(control.tf([1, 0, 0], [1, 1]), 1.0), "It must be proper"),
         (lambda: fm.control.saturated(control.nlsys(None, lambda t, x, u, p: u, inputs=1, outputs=1), 1.0), "must be"),
-        (lambda: fm.control.delayed(LAG.sample(0.1), 0.25), "whole samples of 0.1 s, and 0.25 s are 2.5"),
+        (lambda: fm.control.delayed(LAG.sample(0.1), 0.25), "whole samples: 0.25 s are 2.5 samples of 0.1 s"),
         (lambda: fm.control.delayed(LAG.sample(0.1), 0.2, order=2), "`order` is only for a continuous"),
         (lambda: fm.control.delayed(lambda t, y: y, 0.1), "Only a linear system"),
         (lambda: fm.control.scheduled([0.0, 0.0], [1.0, 2.0]), "must be ascending"),

@@ -357,7 +357,7 @@ def test_what_is_no_profile_is_refused():
         sections.notch_circular(0.01, 1e-3, 2e-3, 5e-3, STEEL)
     with pytest.raises(ValueError, match=r"radius.*at most"):
         sections.notch_filleted(0.01, 2e-3, 1e-3, 5e-3, 5e-3, STEEL)
-    with pytest.raises(ValueError, match="ellipse as deep"):
+    with pytest.raises(ValueError, match="at least this depth"):
         sections.notch_elliptic(0.01, 2e-3, 1e-3, 5e-3, 1e-4, STEEL)
 
 

@@ -264,7 +264,7 @@ def test_every_copy_of_a_repeated_value_is_found():
 
 @pytest.mark.slow
 def test_another_model_and_failures_that_are_not_raised_are_refused():
-    with pytest.raises(ValueError, match="of another model"):
+    with pytest.raises(ValueError, match="belongs to another model"):
         fm.compliance(comb(2), "t0", at=fm.linearize(bent(), sparse=True))
     with pytest.raises(ValueError, match="always raises"):
         fm.modes(bent(), count=2, sparse=True, throw=False)

@@ -155,7 +155,7 @@ def renamed():
         (lambda m, p: fm.poles(m, at=p, time=0.1), ValueError, "A path has no times"),
         (lambda m, p: fm.modes(m, at=p, step=1, increment=1.0), ValueError, "does not go with at="),
         (lambda m, p: fm.modes(p.linearization(), increment=1.0), ValueError, "does not go with a linearisation"),
-        (lambda m, p: fm.frequencies(bent_strip(), at=p, step=0), ValueError, "of another model"),
+        (lambda m, p: fm.frequencies(bent_strip(), at=p, step=0), ValueError, "belongs to another model"),
         (lambda m, p: fm.frequencies(thicker(), at=p, step=0), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(thicker(), at=p, step=0), ValueError, "with other dimensions"),
         (lambda m, p: fm.stress(thicker(), at=fm.equilibrium(m, increment=0.0)), ValueError, "with other dimensions"),

@@ -96,7 +96,7 @@ def test_what_the_path_has_not_is_named(paths):
         (lambda: fm.compliance(dense.model, "n1", at=sparse), "Choose one by step="),
         (lambda: fm.frequencies(dense.model, at=sparse, step=1), "give `count`"),
         (lambda: fm.frequencies(dense.model, count=2, at=sparse, step=1, sparse=False), "contradicts sparse=False"),
-        (lambda: fm.frequencies(arch(), count=2, at=sparse, step=1), "of another model"),
+        (lambda: fm.frequencies(arch(), count=2, at=sparse, step=1), "belongs to another model"),
         (lambda: sparse.K0, "has no K0. Use one state"),
         (lambda: sparse.frequencies, "has no frequencies"),
         (lambda: sparse.linearization(time=1.0), "no times"),

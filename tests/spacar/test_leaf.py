@@ -234,7 +234,7 @@ BAD = [
     (f"SECTION 2 {NUMBERS}", f"SECTION 2 {NUMBERS} 1", "13: SECTION: element 2: too many parameters (8); expected"),
     (f"SECTION 2 {NUMBERS}", f"SECTIN 2 {NUMBERS}", "13: SECTIN: unknown keyword; did you mean SECTION?"),
     ("RLSE 2 1", "RLSE 2 7 1", "9: RLSE: element 2: deformation 7 of LEAF is the warping of an end: joined parts"),
-    ("RLSE 2 1 2 3 4 5 6", "DYNE 2 8", "9: DYNE: element 2: deformation 8 of LEAF is the warping of an end, which"),
+    ("RLSE 2 1 2 3 4 5 6", "DYNE 2 8", "9: DYNE: element 2: deformation 8 of LEAF is the warping of an end: joined"),
     ("RLSE 2 1 2 3 4 5 6", "INPUTE 2 8", "9: INPUTE: element 2: deformation 8 of LEAF is the warping of an end"),
     ("RLSE 2 1 2 3 4 5 6", "INPUTE 2 2", "9: INPUTE: element 2: LEAF has a strain field there; name one of its coeff"),
     ("INPUTF 1 5 3", "INPUTS 1 2 7", "20: INPUTS: input 1: deformation 7 of LEAF is the warping of an end"),

@@ -610,7 +610,7 @@ BAD = [
     (
         "K",
         "BEAM 3 7 8 9 10",
-        "{K}: BEAM: element 3: BEAM is spatial, but PLBEAM on line 1 is planar; a mechanism is one or",
+        "{K}: BEAM: element 3: BEAM is spatial, but PLBEAM on line 1 is planar; a mechanism is either",
     ),
     ("K", "TUBE 3 5 6 7 8 9 10 0 0 1\nFIX 7", "{K}: TUBE: element 3: element type is not available yet"),
     (
@@ -623,9 +623,9 @@ BAD = [
         "KINX 5 1",
         "{K}: KINX: node 5: is refused: no analysis excludes a degree of freedom from the dynamic set",
     ),
-    ("K", "XM 5 1", "{K}: XM: node 5: belongs in the dynamics block, but stands in the kinematics block"),
-    ("D", "DYNX 5 1", "{D}: DYNX: node 5: belongs in the kinematics block, but stands in the dynamics block"),
-    ("S", "FIX 5", "{S}: FIX: node 5: belongs in the kinematics block, but stands in the inputs and outputs block"),
+    ("K", "XM 5 1", "{K}: XM: node 5: belongs in the dynamics block, but is in the kinematics block"),
+    ("D", "DYNX 5 1", "{D}: DYNX: node 5: belongs in the kinematics block, but is in the dynamics block"),
+    ("S", "FIX 5", "{S}: FIX: node 5: belongs in the kinematics block, but is in the inputs and outputs block"),
     ("S", "HALT", "{S}: HALT: announces another block, but none is known after inputs and outputs"),
     ("D", "ESTIFF 1 1", "{D}: ESTIFF: element 1: is given already on line 14; give it once"),
     (
@@ -691,7 +691,10 @@ SPATIAL = [
         "BEAM 1 1 2 3 4 0 1\n",
         "text:1: BEAM: element 1: not all parameters of a group (7); expected: BEAM element xp rotp",
     ),
-    ("RBEAM 1 1 2 3\n", "text:1: RBEAM: element 1: has zero length: its two ends have the same position; PINBODY ties"),
+    (
+        "RBEAM 1 1 2 3\n",
+        "text:1: RBEAM: element 1: has zero length: its two ends have the same position; PINBODY joins",
+    ),
     ("HINGE 1 1 2 0 0 0\n", "text:1: HINGE: element 1: has an axis of zero length"),
     ("HINGE 1 1 2 0 0 1\nEND\nHALT\nEM 1 1\n", "text:4: EM: element 1: HINGE takes no EM: put mass on nodes with XM"),
     ("HINGE 1 1 2 0 0 1\nEND\nHALT\nXF 2 1 2\n", "text:4: XF: node 2: rotational node takes 3 moment components, or 4"),

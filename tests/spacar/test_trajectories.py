@@ -70,13 +70,21 @@ BAD = [
     ("dynamics", "TRAJE 9 1 0 1 2", "{D}: TRAJE: element 9: there is no element 9 (there are: 1, 2)"),
     ("dynamics", "TRAJX 9 1 0 1 2", "{D}: TRAJX: node 9: is in no element; a node exists if an element names it"),
     ("signals", "TRAJX 3 3 0 1 2", "{S}: TRAJX: node 3: coordinate 3 is out of range: node 3 has coordinates 1 to 2"),
-    ("dynamics", "TRAJX 3 1 0 1 2", "{D}: TRAJX: node 3: coordinate 1 is calculable, so that it cannot be led: name"),
+    (
+        "dynamics",
+        "TRAJX 3 1 0 1 2",
+        "{D}: TRAJX: node 3: coordinate 1 is calculable, so it cannot follow a trajectory: name",
+    ),
     (
         "dynamics",
         "TRAJX 1 1 0 1 2",
         "{D}: TRAJX: node 1: coordinate 1 is held, so it cannot follow a trajectory: name it with",
     ),
-    ("dynamics", "TRAJE 1 1 0 1 2", "{D}: TRAJE: element 1: deformation 1 is calculable, so that it cannot be led"),
+    (
+        "dynamics",
+        "TRAJE 1 1 0 1 2",
+        "{D}: TRAJE: element 1: deformation 1 is calculable, so it cannot follow a trajectory",
+    ),
     ("dynamics", "TRAJE 2 1 1 0.5 2", "{D}: TRAJE: element 2: end must be later than start, which is 1.0 s, but"),
     ("dynamics", "TRAJE 2 1 1 1 2", "{D}: TRAJE: element 2: end must be later than start, which is 1.0 s, but is 1.0"),
     ("dynamics", "TRAJE 2 1 -1 1 2", "{D}: TRAJE: element 2: start is a time [s] from 0, but is -1.0"),
@@ -89,7 +97,7 @@ BAD = [
     (
         "dynamics",
         "TRAJE 2 1 0 1 2\nTRAJE 2 1 0.9 2 3",
-        "{D1}: TRAJE: element 2: deformation 1 is on its way from 0.0 s to 1.0 s already by line {D}; lines follow",
+        "{D1}: TRAJE: element 2: deformation 1 moves from 0.0 s to 1.0 s already by line {D}; lines must follow",
     ),
     (
         "dynamics",
