@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def mechanisms() -> dict[str, str]:
-    """Shipped mechanisms, with one line on each: the first comment of its file.
+    """Return the shipped mechanisms, with one line on each: the first comment of its file.
 
     Returns:
         Description by name.
@@ -15,7 +15,7 @@ def mechanisms() -> dict[str, str]:
 
 
 def mechanism_path(name: str) -> Path:
-    """File of a shipped mechanism.
+    """Return the file of a shipped mechanism.
 
     Args:
         name: Its name.

@@ -1,4 +1,4 @@
-"""Questions to results by names of nodes and elements, the same for a state, a path and a motion."""
+"""Methods of results by names of nodes and elements, the same for a state, a path and a motion."""
 
 from typing import Any
 
@@ -42,15 +42,15 @@ def frame_of(node: str) -> str:
 
 
 class ByName:
-    """Base class of results with questions by names of nodes and elements, as ``result.reaction("foot", "x")``.
+    """Base class of results with methods by names of nodes and elements, such as ``result.reaction("foot", "x")``.
 
-    A result holds one state, or several along a first axis; methods answer for all states. A node's rotation is asked
-    by the name of the node. Components of a node are "x", "y" or "z". Its rotation has the component "phi" in the
+    A result has one state, or several along a first axis; methods return values for all states. The name of a node also
+    refers to its rotation. Components of a node are "x", "y" or "z". Its rotation has the component "phi" in the
     plane, and in space "rx", "ry" or "rz" about the global axes.
     """
 
     def at(self: Any, node: str) -> Float[Array, "*states n"]:
-        """Coordinates of a node, or of its rotation as "name.rotation".
+        """Return the coordinates of a node, or of its rotation as "name.rotation".
 
         Returns (states, n) [m]; [rad] for a rotation in the plane; Euler parameters [-] in space. Raises KeyError: No
         such node.
@@ -58,24 +58,27 @@ class ByName:
         return _picked(self.x, self.labels.known(node))
 
     def position(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Position of a node, (states, 2 or 3), or (states,) of one component [m]. Raises KeyError: No such node."""
+        """Return the position of a node, (states, 2 or 3), or (states,) for one component [m].
+
+        Raises KeyError: No such node.
+        """
         if self.labels.x[self.labels.known(node)[0]].kind != "position":
             raise KeyError(f"'{node}' is no position: ask rotation('{node.removesuffix('.rotation')}') or at('{node}')")
         return self._placed(self.x, node, component, "rotation")
 
     def rotation(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Rotation of a node from the global axes.
+        """Return the rotation of a node from the global axes.
 
         Returns the angle in the plane, (states,) [rad]. In space returns the rotation vector, axis times angle,
-        (states, 3) [rad], within a full turn to either side; the deformation of a hinge counts beyond. Differentiable
-        at zero rotation too. Raises KeyError: No such node or component, or the node has no rotation.
+        (states, 3) [rad], with a length of at most a full turn; the deformation of a hinge counts past full turns.
+        Differentiable at zero rotation too. Raises KeyError: No such node or component, or the node has no rotation.
         """
         return self._turned(self.x, node, component, lambda _, own: _vectors(own))
 
     def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Velocities of a node's coordinates; for its rotation see :meth:`angular_velocity`.
+        """Return velocities of a node's coordinates; for its rotation see :meth:`angular_velocity`.
 
-        Returns (states, n), or (states,) of one component [m/s].
+        Returns (states, n), or (states,) for one component [m/s].
 
         Raises:
             KeyError: No such node or component.
@@ -84,9 +87,9 @@ class ByName:
         return self._placed(_held(self, "xd"), node, component, "angular_velocity")
 
     def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Accelerations of a node's coordinates, as :meth:`velocity`.
+        """Return accelerations of a node's coordinates; for its rotation see :meth:`angular_acceleration`.
 
-        Returns (states, n), or (states,) of one component [m/s^2].
+        Returns (states, n), or (states,) for one component [m/s^2].
 
         Raises:
             KeyError: No such node or component.
@@ -95,7 +98,7 @@ class ByName:
         return self._placed(_held(self, "xdd"), node, component, "angular_acceleration")
 
     def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Angular velocity of a node.
+        """Return the angular velocity of a node.
 
         Returns the rate of the angle in the plane, (states,); in space about the global axes, (states, 3) [rad/s].
 
@@ -106,7 +109,7 @@ class ByName:
         return self._turned(_held(self, "xd"), node, component, _about_axes)
 
     def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Rate of :meth:`angular_velocity`.
+        """Return the rate of :meth:`angular_velocity`.
 
         Returns the second rate of the angle in the plane, (states,); in space about the global axes, (states, 3)
         [rad/s^2].
@@ -118,13 +121,13 @@ class ByName:
         return self._turned(_held(self, "xdd"), node, component, _about_axes)
 
     def reaction(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Force and moment of the support on the mechanism at a node, zero without support.
+        """Return force and moment of the support on the mechanism at a node; zero without support.
 
         Args:
-            node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
+            node: Name of the node, or of its rotation as "name.rotation" for only the moment.
 
         Returns:
-            Forces, then the moments if the node has a rotation, about global axes, (states, n), or (states,) of one
+            Forces, then moments about global axes if the node has a rotation, (states, n), or (states,) for one
             component [N, N m].
 
         Raises:
@@ -134,11 +137,11 @@ class ByName:
         return self._acting(_held(self, "reactions"), node, component)
 
     def force_needed(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
-        """Force from outside that keeps the mechanism in its state, at a node.
+        """Return the external force at a node that keeps the mechanism in its state.
 
-        This is the sum of loads and supports without weight: the force of a drive at a prescribed coordinate, a load
-        where it acts, zero elsewhere. Returns as :meth:`reaction` [N, N m]. Source: D_x^T sigma less weight, in motion
-        with inertia forces: THEORY.md 5, eq. (5.1) and (5.2).
+        It is the sum of loads and supports, without weight: the force of the drive at a prescribed coordinate, the load
+        at a loaded node, and zero elsewhere. Returns as :meth:`reaction` [N, N m]. Source: D_x^T sigma less weight, in
+        motion with inertia forces: THEORY.md 5, eq. (5.1) and (5.2).
 
         Args:
             node: Name of the node, or of its rotation as "name.rotation" for the moment alone.
@@ -150,10 +153,10 @@ class ByName:
         return self._acting(_held(self, "external"), node, component)
 
     def deformation(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
-        """Deformations of an element. Returns (states, n), or (states,) of one [m, rad if angular].
+        """Return deformations of an element, (states, n), or (states,) for one [m, rad if angular].
 
         Args:
-            number: Its name or its number from 1, as in ``released=``; None: all.
+            number: Name or number (from 1) of the deformation, as in ``released=``; None: all.
 
         Raises:
             KeyError: No such element, or it has no such deformation.
@@ -162,12 +165,12 @@ class ByName:
         return _picked(_held(self, "e"), self.labels.deformations(element, number))
 
     def stress_resultant(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
-        """Stress resultants of an element, dual to its deformations; constraint forces for FIXED ones.
+        """Return stress resultants of an element, dual to its deformations; constraint forces for FIXED deformations.
 
-        Returns (states, n), or (states,) of one [N, N m if angular].
+        Returns (states, n), or (states,) for one [N, N m if angular].
 
         Args:
-            number: Its name or its number from 1, as in ``released=``; None: all.
+            number: Name or number (from 1) of the deformation, as in ``released=``; None: all.
 
         Raises:
             KeyError: No such element, or it has no such deformation.

@@ -1,4 +1,4 @@
-"""Frequency response: magnitude and phase of each output by each input, with their names."""
+"""Frequency response: magnitude and phase of each output per unit of each input."""
 
 import textwrap
 from collections.abc import Sequence
@@ -37,28 +37,28 @@ def bode(
     *,
     hertz: Any = None,
 ) -> Any:
-    """Bode plot of the linearised mechanism, each pair of panels titled by its input and output.
+    """Draw a Bode plot of the linearised mechanism, one pair of panels for each input and output.
 
     Phases begin between -180 and 180 degrees at the lowest frequency and have no jumps of 360 degrees after it. The
-    phase of an undamped mechanism is drawn as with very little damping. The picture names outputs without a response.
+    phase of an undamped mechanism is the phase for very small damping. The picture names outputs without a response.
 
     Args:
         found: Model or Linearization with inputs and outputs, such as ``fm.damped(model, ratio=0.01)``, or a
             control.StateSpace; or the FrequencyResponse of :func:`flexmb.frequency_response`, drawn at its own
             frequencies, without 0 Hz and without frequencies of infinite response.
         outputs: Names of outputs of the state-space model; by default all outputs with a response.
-        inputs: Names of inputs likewise; by default all inputs with an effect.
+        inputs: Names of inputs of the state-space model; by default all inputs with an effect.
         hertz: Frequencies, (n,) [Hz]. flexmb adds frequencies between them where a phase changes quickly. Default: from
-            a tenth of the lowest pole to ten times the highest. The picture does not extend to poles of a model far
-            above its lowest pole; a note states that they exist.
+            a tenth of the lowest pole to ten times the highest. Poles far above the lowest pole of a model are outside
+            the picture; a note states that they exist.
 
     Returns:
         matplotlib Figure: magnitude and phase over frequency in hertz.
 
     Raises:
-        TypeError: ``found`` is none of these.
-        ValueError: No such output or input, no output responds, frequencies that are not positive, frequencies given
-            beside those of a FrequencyResponse, or a state space of sampled time.
+        TypeError: ``found`` has another type.
+        ValueError: An output or input does not exist, no output responds, frequencies are not positive or are given in
+            addition to a FrequencyResponse, or the state space is sampled.
         ModelError: The model names no inputs or no outputs.
 
     Source:

@@ -13,18 +13,18 @@ NAMED = 12
 
 
 def fit(found: Fit) -> Any:
-    """Each measurement beside the fitted model, differences in standard deviations, and correlations.
+    """Draw each measurement beside the fitted model, differences in standard deviations, and correlations.
 
     Bars and the grey band are two standard deviations.
 
     Args:
-        found: Of ``fm.fit``.
+        found: Result of ``fm.fit``.
 
     Returns:
         matplotlib Figure with Axes for each measurement, the differences, and the correlation of several parameters.
 
     Raises:
-        TypeError: ``found`` is not of ``fm.fit``.
+        TypeError: ``found`` is no result of ``fm.fit``.
     """
     if not isinstance(found, Fit):
         raise TypeError(f"Argument `found` must be of fm.fit(..), but is a {type(found).__name__}.")

@@ -19,23 +19,23 @@ from .state import states_of
 def frequencies(
     found: Path | SparsePath | Motion, of: str | None = None, *, count: int = AT_MOST, ax: Any = None
 ) -> Any:
-    """Natural frequencies along a path or a motion; below zero where the motion grows.
+    """Draw natural frequencies along a path or a motion; they are negative if the motion grows.
 
-    Along a motion they are those of K0 + N0 + G0 and M0 at every time, without C0 and D0; where an eigenvalue is
-    complex there is none.
+    Along a motion, the frequencies belong to K0 + N0 + G0 and M0 at every time, without C0 and D0. Complex frequencies
+    are left out.
 
     Args:
         found: Path or Motion.
-        of: Coordinate to draw them over, such as "tip.x"; load factor or time unless given.
-        count: How many at most, the lowest of them.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        of: Coordinate of the horizontal axis, such as "tip.x"; by default the load factor or the time.
+        count: Largest number of frequencies, from the lowest on.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes, one line a frequency.
+        matplotlib Axes, one line per frequency.
 
     Raises:
         TypeError: ``found`` is neither a Path nor a Motion.
-        KeyError: No such coordinate.
+        KeyError: The coordinate does not exist.
 
     Source:
         THEORY.md 7.

@@ -21,7 +21,7 @@ def history(
     y: str | None = None,
     ax: Any = None,
 ) -> Any:
-    """Coordinates, velocities, energies or other quantities of a motion over time, or one over another.
+    """Draw coordinates, velocities, energies or other quantities of a motion over time, or one over another.
 
     Args:
         found: Motion.
@@ -31,15 +31,15 @@ def history(
         velocity: Draw the velocities of the coordinates instead.
         x: Quantity of the horizontal axis, such as "displacement mass.x"; by default the time.
         y: One quantity of the vertical axis, instead of ``of``.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes, one line for each.
+        matplotlib Axes, one line per quantity.
 
     Raises:
         TypeError: ``found`` is not a Motion.
-        KeyError: No such coordinate or quantity.
-        ValueError: Quantities of different units are asked for together; or arguments do not go together.
+        KeyError: A coordinate or quantity does not exist.
+        ValueError: Quantities have different units, or arguments exclude each other.
     """
     if not isinstance(found, Motion):
         raise TypeError(f"Argument `found` must be of fm.simulate(model, times), but is a {type(found).__name__}.")

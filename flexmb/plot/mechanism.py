@@ -36,19 +36,19 @@ def mechanism(
 
     Args:
         shown: Model, Linearization, Path or Motion.
-        at: With a Model: equilibrium, configuration or linearisation of it; the undeformed state unless given.
+        at: State of a Model: equilibrium, configuration or linearisation; by default the undeformed state.
         step: Number of the step of a path or of the output time of a motion; by default the last.
         time: Time of a motion [s]. flexmb draws the nearest output time.
         scale: Factor of the displacements from the undeformed state.
         ghost: Draw the undeformed mechanism too; by default if the state is deformed.
         supports: Mark FIXED nodes (triangle: position, square: rotation too) and PRESCRIBED nodes (diamond).
-        dofs: Arrows and names of the degrees of freedom that are coordinates.
-        loads: Arrows of all nodal forces, incremental ones added, and moments, each with its size. The longest arrow is
-            the largest.
-        names: Names of nodes and elements.
+        dofs: Draw arrows and names of the degrees of freedom that are coordinates.
+        loads: Draw arrows of all nodal forces and moments, including incremental ones, each with its size. The longest
+            arrow is the largest.
+        names: Write the names of nodes and elements.
         sections: Draw beams with the width of their sections in space, and with the thickness in the plane. Sections
             given by rigidities have no outline.
-        ax: matplotlib Axes to draw in, in space with ``projection="3d"``; new ones unless given.
+        ax: matplotlib Axes to draw in, in space with ``projection="3d"``; by default new Axes.
 
     Returns:
         matplotlib Axes.
@@ -91,7 +91,7 @@ def mechanism(
 
 
 def draw_supports(ax: Any, model: Model, points: dict[str, np.ndarray]) -> None:
-    """Markers where something is fixed or prescribed."""
+    """Draw markers at FIXED and PRESCRIBED nodes."""
     for (kind, names), marker in zip(marked.supports(model).items(), "s^D", strict=True):
         at = np.array([points[name] for name in names])
         marks(ax, at, kind, marker=marker, markersize=9, color=BLACK, markerfacecolor="none", zorder=4)

@@ -26,15 +26,15 @@ AT_MOST = 6
 
 
 def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, amplitude: float = AMPLITUDE) -> Any:
-    """Draw mode shapes over the state that they are about, with frequency or load multiplier in the title.
+    """Draw mode shapes over the state of the linearisation, with frequency or load multiplier in the title.
 
     Args:
         found: Vibration or buckling modes.
-        which: Numbers of the modes, from 0; the first six unless given.
-        amplitude: Largest displacement that is drawn, as share of the mechanism's extent.
+        which: Numbers of the modes, from 0; by default the first six.
+        amplitude: Largest displacement in the picture, as a share of the mechanism's extent.
 
     Returns:
-        matplotlib Figure, one Axes a mode.
+        matplotlib Figure, one Axes per mode.
 
     Raises:
         TypeError: ``found`` is neither Modes nor Buckling.

@@ -9,19 +9,19 @@ from ..display import kind_of
 
 
 def noise(found: NoiseBudget, output: str | None = None) -> Any:
-    """Density of the noise of an output, source by source, and its cumulative root mean square.
+    """Draw the noise density of an output, source by source, and its cumulative root mean square.
 
     Args:
-        found: NoiseBudget of :func:`flexmb.control.noise_budget`.
-        output: Name of the output; may be left out where there is one.
+        found: NoiseBudget from :func:`flexmb.control.noise_budget`.
+        output: Name of the output; optional if there is only one.
 
     Returns:
-        matplotlib Figure: roots of the power spectral densities, and below them the root mean square between the lowest
-        frequency and each, both over frequency in hertz.
+        matplotlib Figure: roots of the power spectral densities, and below them the root mean square up to each
+        frequency, both over frequency in hertz.
 
     Raises:
         TypeError: ``found`` is no NoiseBudget.
-        KeyError: There is no such output, or several and none is named.
+        KeyError: The output does not exist, or there are several and none is named.
 
     Source:
         THEORY.md 14, eq. (14.33).

@@ -1,4 +1,4 @@
-"""Equilibrium paths, stable and unstable parts apart: any two of their quantities."""
+"""Equilibrium paths: any two of their quantities, with stable and unstable parts."""
 
 from typing import Any
 
@@ -21,7 +21,7 @@ FIRST = 4
 def path(
     found: Path | SparsePath, of: str | None = None, *, x: str | None = None, y: str | None = None, ax: Any = None
 ) -> Any:
-    """Load factor over a coordinate, or any quantity over any other: solid where stable, dashed where not.
+    """Draw the load factor over a coordinate, or any quantity over any other: solid if stable, dashed if unstable.
 
     ``fm.plot.path(found, x="displacement top.x", y="force top.x")`` is force against stroke, with the slope at the
     start as a thin line.
@@ -32,15 +32,15 @@ def path(
         x: Quantity of the horizontal axis instead of ``of``, as for :meth:`flexmb.paths.Path.along`: "top.x",
             "displacement top.x", "force top.x", "reaction foot.x", "deformation leaf.2", "stress", "frequency 1",
             "stiffness top.y", "multiplier 1", "load factor".
-        y: Quantity of the vertical axis, likewise; by default the load factor.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        y: Quantity of the vertical axis, as for ``x``; by default the load factor.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
         matplotlib Axes, with limit and bifurcation points marked.
 
     Raises:
         TypeError: ``found`` is not a Path.
-        KeyError: No such coordinate or quantity.
+        KeyError: A coordinate or quantity does not exist.
         ValueError: Both ``of`` and ``x`` are given.
     """
     if not isinstance(found, Path | SparsePath):

@@ -1,4 +1,4 @@
-"""Self-stress of an over-constrained mechanism: which elements work against each other."""
+"""Self-stress of an over-constrained mechanism: the elements that work against each other."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     Args:
         found: Over-constraints of a mechanism.
         state: Number of the state of self-stress, from 0.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
         matplotlib Axes.

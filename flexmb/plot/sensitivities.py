@@ -13,14 +13,14 @@ def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
     """Draw bars: the change of each answer for one percent of each dimension, or shares in the variance.
 
     Args:
-        found: Of ``fm.sensitivities``, or of ``fm.tolerances``.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        found: Result of ``fm.sensitivities`` or ``fm.tolerances``.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes: one group a dimension, the one that matters most on top, and one colour an answer.
+        matplotlib Axes: one group per dimension, the most important on top, and one colour per answer.
 
     Raises:
-        TypeError: ``found`` is neither.
+        TypeError: ``found`` has another type.
     """
     if isinstance(found, Sensitivities):
         bars, label = np.asarray(found.table), "percent of the answer for one percent of the dimension"

@@ -32,27 +32,27 @@ def stress(
 ) -> Any:
     """Colour every flexible element by its stress, or by a force or moment in its sections, with a scale.
 
-    The largest value is marked, with the element and the node, or the place from 0 to 1 along the element, where it is.
-    In space, flexmb draws rectangular sections with their width. It draws the undeformed mechanism pale if the state is
-    deformed. The colour is the stress at the point of the surface with the largest stress, with sign. Between the
-    places of the stress, flexmb interpolates.
+    A mark shows the largest value, with its element and node, or its place from 0 to 1 along the element. In space,
+    flexmb draws rectangular sections with their width. It draws the undeformed mechanism pale if the state is deformed.
+    The colour is the largest stress of the points of the section, with sign. flexmb interpolates between the places of
+    the stress.
 
     Args:
         found: Stress or section resultants.
         shown: State of the stress: Equilibrium, Linearization, Model (drawn undeformed), or Path with ``step``.
-        quantity: Of a Stress: "von Mises", "sigma_x" or "tau"; with leaf springs "across"; with materials of known
-            strength "utilisation". Of both: "normal force", "shear force y", "shear force z", "torque", "bending moment
-            y" or "bending moment z". Default: von Mises, or bending moment y.
+        quantity: For a Stress: "von Mises", "sigma_x" or "tau"; with leaf springs "across"; with materials of known
+            strength "utilisation". For stress and section resultants: "normal force", "shear force y", "shear force z",
+            "torque", "bending moment y" or "bending moment z". Default: von Mises, or bending moment y.
         step: Number of the step of a path; by default the last.
         scale: Factor of the displacements.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes; the figure has the scale beside it.
+        matplotlib Axes; the scale is beside them.
 
     Raises:
         TypeError: ``found`` is not a stress.
-        ValueError: No such quantity, or the elements are not those of the model.
+        ValueError: The quantity does not exist, or the elements are not elements of the model.
     """
     values, label = values_of(found, quantity)
     model, x = state_of(shown, step=step)

@@ -23,31 +23,31 @@ def sweep(
     y: str | None = None,
     ax: Any = None,
 ) -> Any:
-    """An answer over one dimension as a curve, over two as a map, or an answer over another with the Pareto front.
+    """Draw an answer over one dimension (curve), over two (map), or over another answer with the Pareto front.
 
     If a grid has more axes than the picture, the other dimensions have their middle value, and the title states it.
-    Designs without a grid are points, over two dimensions coloured by the answer. More than 2000 points become
+    Designs without a grid are points; over two dimensions, the answer colours them. More than 2000 points become
     hexagons. Over two dimensions their colour is the mean answer, otherwise the number of designs. Failed designs are
     grey if they have a position, and the title states their number.
 
     Args:
         found: Result of ``fm.sweep``, or its front by ``pareto``, whose designs are marked.
-        answer: Name of the answer, or of an entry as "frequencies[0]"; by default each answer of one number, in
+        answer: Name of the answer, or of an entry such as "frequencies[0]"; by default each answer of one number, in
             separate Axes.
         over: One dimension or two; by default the first two that vary.
         x: Quantity of the horizontal axis, instead of ``answer`` and ``over``: an answer, a dimension or an entry. For
             a front by default its first criterion.
         y: Quantity of the vertical axis; for a front by default its second criterion.
-        ax: matplotlib Axes to draw in; new ones unless given.
+        ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes; a Figure of several without ``answer``.
+        matplotlib Axes; without ``answer`` a Figure with several.
 
     Raises:
-        TypeError: ``found`` is not of ``fm.sweep``.
-        KeyError: No such answer or dimension.
-        ValueError: The answer has several numbers, or each of them has; another number of dimensions than one or two is
-            asked for, or x without y.
+        TypeError: ``found`` is no result of ``fm.sweep``.
+        KeyError: An answer or dimension does not exist.
+        ValueError: The answer, or each answer, has several numbers; ``over`` is not one or two dimensions; ``x`` is
+            given without ``y``.
     """
     if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")

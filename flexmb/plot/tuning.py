@@ -12,20 +12,20 @@ APART = 6
 
 
 def tuning(found: Tuned) -> Any:
-    """Objective, violation, dimensions and answers at every evaluation of a search, and curves that were targets.
+    """Draw objective, violation, dimensions and answers at every evaluation of a search, and target curves.
 
-    Dimensions and answers are drawn relative to their first value. The vertical line marks the design that is returned.
-    A curve that was a target is drawn over its places: wanted, at the start, and found.
+    Dimensions and answers are relative to their first value. The vertical line marks the returned design. A target
+    curve is drawn over its places: wanted, at the start, and found.
 
     Args:
-        found: Of ``fm.tune``.
+        found: Result of ``fm.tune``.
 
     Returns:
-        matplotlib Figure with Axes for objective, violation where there was any, dimensions, answers that are no
-        curves, and each curve.
+        matplotlib Figure with Axes for objective, violation (if any), dimensions, answers that are no curves, and each
+        curve.
 
     Raises:
-        TypeError: ``found`` is not of ``fm.tune``.
+        TypeError: ``found`` is no result of ``fm.tune``.
     """
     if not isinstance(found, Tuned):
         raise TypeError(f"Argument `found` must be of fm.tune(..), but is a {type(found).__name__}.")

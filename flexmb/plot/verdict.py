@@ -22,12 +22,12 @@ PANELS = (
 
 
 def verdict(found: Verdict) -> Any:
-    """Force, shares of the limits, support stiffness, frequencies and parasitic motion over the stroke.
+    """Draw force, shares of the limits, support stiffness, frequencies and parasitic motion over the stroke.
 
-    A panel stands only where there is something to draw. A red line is where the first limit is reached.
+    Panels without data are left out. A red line marks the stroke at which the first limit is reached.
 
     Args:
-        found: Of ``fm.verdict``.
+        found: Result of ``fm.verdict``.
 
     Returns:
         matplotlib Figure.

@@ -1,4 +1,4 @@
-"""The results of a SPACAR Light run under the predecessor's names, from the linearisation at every load step."""
+"""The results of a SPACAR Light run under their names there, from the linearisation at every load step."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 class LightResults(Result):
-    """The results of :func:`spacar_light`. In arrays over the load steps the last axis has the steps.
+    """Results of :func:`spacar_light`. In arrays over the load steps, the last axis counts the steps.
 
     Attributes:
         version: Version of flexmb.
@@ -35,9 +35,9 @@ class LightResults(Result):
         ndof: Number of degrees of freedom.
         load_factors: Factors of the initial and of the incremental loads, (2, steps) [-].
         linearizations: Linearised equations of motion at every step.
-        freq: Natural frequencies, negative if a motion grows, infinite without mass, (ndof, steps) [Hz].
-        buck: Multipliers of the total load at each step by magnitude, with their sign, infinite if no load acts, (ndof,
-            steps) [-]; None without ``calcbuck``.
+        freq: Natural frequencies, negative if a motion grows, infinite for a motion without mass, (ndof, steps) [Hz].
+        buck: Multipliers of the total load at each step, sorted by magnitude, with sign, infinite if no load acts,
+            (ndof, steps) [-]; None without ``calcbuck``.
         stressmax: Largest von Mises stress, (steps,) [Pa]; None without flexible elements.
         statespace: State-space model about the last step; None without ``transfer``.
         overconstraints: Released deformations of the last beam of each element, in the form of ``opt.rls``.
@@ -194,7 +194,7 @@ class LightNode(_Numbered):
 
     @property
     def r_axang(self) -> np.ndarray:
-        """Rotation as an angle up to a full turn and its axis, (4, steps) [rad, -]; axis x where unturned."""
+        """Rotation as an angle up to a full turn and its axis, (4, steps) [rad, -]; axis x for zero rotation."""
         lam = self._values("x", f"{self.name}.rotation")
         size = np.linalg.norm(lam[:, 1:], axis=1)
         axes = np.where(size[:, None] > 0, lam[:, 1:] / np.where(size > 0, size, 1.0)[:, None], np.eye(3)[0])
@@ -270,7 +270,7 @@ class LightElement(_Numbered):
 
     @property
     def e(self) -> np.ndarray:
-        """Deformations, one row a beam, (beams, 6, steps) [m]; for a hinge (1, 3, steps) [rad]."""
+        """Deformations, one row per beam, (beams, 6, steps) [m]; for a hinge (1, 3, steps) [rad]."""
         entries, every = self._light.model.labels.e, self._light.values("e")
         # Warping deformations are left out.
         rows = [[i for i, entry in enumerate(entries) if entry.of == name][:6] for name in self.names]
@@ -312,7 +312,7 @@ class LightStep:
 
     @property
     def freqmodes(self) -> np.ndarray:
-        """Mass-normalised mode shapes in the degrees of freedom, one a column, (ndof, ndof)."""
+        """Mass-normalised mode shapes in the degrees of freedom, one per column, (ndof, ndof)."""
         return self._light._spectra[self.number - 1][1]
 
     @property
