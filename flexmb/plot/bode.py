@@ -105,7 +105,7 @@ def bode(
         if len(own) < len(every)
     ]
     if beyond:
-        said.append(f"{beyond} poles lie beyond what is drawn: give hertz= to see them")
+        said.append(f"{beyond} poles are outside the picture: give hertz= to see them")
     if said:
         figure.supxlabel(textwrap.fill("; ".join(said), int(13 * figure.get_figwidth())), fontsize=8)
     return figure
@@ -119,11 +119,11 @@ def _system(found: Any) -> tuple[Any, float]:
         return to_statespace(found), FARTHEST
     if not isinstance(found, control.StateSpace):
         raise TypeError(
-            f"A Bode plot is drawn of a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not of"
+            "A Bode plot needs a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not"
             f" {kind_of(found)}."
         )
     if found.isdtime(strict=True):
-        raise ValueError(f"A Bode plot is drawn of continuous time, and not of samples every {found.dt} s.")
+        raise ValueError(f"A Bode plot needs a continuous system, not one sampled every {found.dt} s.")
     return found, np.inf
 
 

@@ -27,7 +27,7 @@ def fit(found: Fit) -> Any:
         TypeError: ``found`` is no result of ``fm.fit``.
     """
     if not isinstance(found, Fit):
-        raise TypeError(f"Argument `found` must be of fm.fit(..), but is a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a result of fm.fit(..), but is a {type(found).__name__}.")
     import matplotlib.pyplot as plt
 
     several = len(found.labels) > 1

@@ -41,7 +41,7 @@ def frequencies(
         THEORY.md 7.
     """
     if not isinstance(found, Path | SparsePath | Motion):
-        raise TypeError(f"Frequencies are drawn along a Path or a Motion, not along a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a Path or a Motion, but is a {type(found).__name__}.")
     states = states_of(found)
     along, label = states.along, states.label
     of_motion = isinstance(found, Motion)

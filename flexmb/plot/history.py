@@ -42,9 +42,11 @@ def history(
         ValueError: Quantities have different units, or arguments exclude each other.
     """
     if not isinstance(found, Motion):
-        raise TypeError(f"Argument `found` must be of fm.simulate(model, times), but is a {type(found).__name__}.")
+        raise TypeError(
+            f"Argument `found` must be a result of fm.simulate(model, times), but is a {type(found).__name__}."
+        )
     if (x is not None or y is not None) and (of is not None or velocity):
-        raise ValueError("Arguments `x` and `y` say what to draw: leave `of` and `velocity` out.")
+        raise ValueError("Arguments `x` and `y` name the quantities to draw: leave `of` and `velocity` out.")
     most = str(found.labels.x[found.states().most_moving()])
     ax = plain_axes(ax)
     if x is not None or y is not None:
@@ -54,7 +56,7 @@ def history(
         coordinates = {str(entry) for entry in found.labels.x}
         energies = [name for name in wanted if name in ENERGIES]
         if energies and len(energies) < len(wanted):
-            raise ValueError("Energies and coordinates have different units: draw them in two pictures.")
+            raise ValueError("Energies and coordinates have different units: draw two pictures.")
         if velocity or energies or coordinates.issuperset(wanted):
             _draw_over_time(ax, found, wanted, velocity)
         else:
@@ -69,7 +71,7 @@ def _draw_over(ax: Any, found: Motion, over: str, wanted: Sequence[str]) -> None
     across, drawn = found.along(over), [found.along(name) for name in wanted]
     if len({one.unit for one in drawn}) > 1:
         told = ", ".join(f"'{one.label}' [{one.unit}]" for one in drawn)
-        raise ValueError(f"Quantities of different units are drawn in two pictures: {told}.")
+        raise ValueError(f"Quantities have different units; draw two pictures: {told}.")
     factor, label = prefixed(across) if over != "time" else (1.0, across.axis)
     joined = drawn[0]._replace(values=np.concatenate([one.values for one in drawn]))
     size, first = prefixed(joined)

@@ -42,7 +42,7 @@ def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, 
     """
     states = found.states() if isinstance(found, Result) else None
     if states is None or states.moves is None:
-        raise TypeError(f"Modes are drawn of fm.modes(model) or fm.buckling(model), not of {kind_of(found)}.")
+        raise TypeError(f"A picture of modes needs fm.modes(model) or fm.buckling(model), not {kind_of(found)}.")
     chosen = chosen_modes(states, [which] if isinstance(which, int) else which, AT_MOST, "draw")
     figure, axes = grid(len(chosen), states.model.labels.dimension)
     for ax, mode in zip(axes, chosen, strict=True):

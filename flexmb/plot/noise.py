@@ -29,7 +29,7 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
     import matplotlib.pyplot as plt
 
     if not isinstance(found, NoiseBudget):
-        raise TypeError(f"The noise of a NoiseBudget is drawn, not that of {kind_of(found)}.")
+        raise TypeError(f"A picture of noise needs a NoiseBudget, not {kind_of(found)}.")
     total = np.asarray(found.cumulative(output))
     hertz = np.asarray(found.hertz)
     # Zero has no place on a logarithmic axis.

@@ -44,9 +44,9 @@ def path(
         ValueError: Both ``of`` and ``x`` are given.
     """
     if not isinstance(found, Path | SparsePath):
-        raise TypeError(f"Argument `found` must be of fm.path(model), but is a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a result of fm.path(model), but is a {type(found).__name__}.")
     if of is not None and x is not None:
-        raise ValueError("Arguments `of` and `x` both say what to draw over: give `x` alone.")
+        raise ValueError("Arguments `of` and `x` both name the horizontal axis: give only `x`.")
     index = found.states().most_moving() if of is None else index_of(found.labels, of)
     plain = x is None and y is None
     asked = str(found.labels.x[index]) if x is None else x, "load factor" if y is None else y

@@ -36,7 +36,7 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
         ValueError: There is no such state.
     """
     if not isinstance(found, Mobility):
-        raise TypeError(f"Self-stress is drawn of fm.mobility(model), not of {kind_of(found)}.")
+        raise TypeError(f"A picture of self-stress needs fm.mobility(model), not {kind_of(found)}.")
     if not 0 <= state < found.overconstraints:
         raise ValueError(f"There is no state of self-stress {state}: there are {found.overconstraints}, from 0.")
     states = states_of(found)

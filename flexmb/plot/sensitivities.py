@@ -28,7 +28,8 @@ def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
         bars, label = 100 * np.asarray(found.shares), "share of the answer's variance [%]"
     else:
         raise TypeError(
-            f"Argument `found` must be of fm.sensitivities(..) or fm.tolerances(..), but is a {type(found).__name__}."
+            "Argument `found` must be a result of fm.sensitivities(..) or fm.tolerances(..), but is a"
+            f" {type(found).__name__}."
         )
     ax = plain_axes(ax)
     finite = np.where(np.isfinite(bars), bars, 0.0)

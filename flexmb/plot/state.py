@@ -22,15 +22,15 @@ def states_of(shown: Any, at: Any = None) -> States:
         ValueError: ``at`` is no state of the model.
     """
     if not is_concrete((shown, at)):
-        raise TypeError("A picture takes concrete numbers: draw it outside jax.jit and jax.grad.")
+        raise TypeError("A picture needs concrete numbers: draw it outside jax.jit and jax.grad.")
     found = shown.states() if isinstance(shown, Result) else None
     if found is None:
         raise TypeError(
-            "A picture is drawn of a Model (with at= for a configuration), an Equilibrium that knows its model, a"
-            f" Linearization, a Path or a Motion, not of {kind_of(shown)}."
+            "A picture needs a Model (with at= for a configuration), an Equilibrium with its model, a Linearization, a"
+            f" Path or a Motion, not {kind_of(shown)}."
         )
     if at is not None and found.model is not shown:
-        raise ValueError(f"Argument `at` goes with a Model; {kind_of(shown)} says itself where it is.")
+        raise ValueError(f"Argument `at` needs a Model; {kind_of(shown)} has its own state.")
     if at is not None and not hasattr(at, "x"):
         raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is {kind_of(at)}.")
     x = np.asarray(found.x if at is None else at.x, float)
@@ -54,14 +54,14 @@ def state_of(
     found = states_of(shown, at)
     if time is not None:
         if found.kind != "motion" or step is not None:
-            raise ValueError("Argument `time` goes with a Motion, and without `step`.")
+            raise ValueError("Argument `time` needs a Motion, and no `step`.")
         times = np.asarray(found.along)
         if not times[0] <= time <= times[-1]:
             raise ValueError(f"Argument `time` must be from {times[0]:g} to {times[-1]:g} s, but is {time:g}.")
         step = int(np.argmin(np.abs(times - time)))
     if found.x.ndim == 1:
         if step is not None:
-            raise ValueError(f"Argument `step` goes with a Path or a Motion; this {type(shown).__name__} is one state.")
+            raise ValueError(f"Argument `step` needs a Path or a Motion; this {type(shown).__name__} is one state.")
         return found.model, found.x
     step = -1 if step is None else step
     if not -len(found.x) <= step < len(found.x):

@@ -59,7 +59,7 @@ def stress(
     reference = np.asarray(model.parameters.reference)
     drawn, still = scaled_lines(model, reference, x, checked(scale)), lines(model, reference)
     if missing := set(found.names) - {line.element for line in drawn}:
-        raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
+        raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
     if not np.allclose(x, reference, rtol=0, atol=NOT_MOVED):
         mechanism_lines(ax, still, ghost=True)
@@ -118,8 +118,7 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     """
     if not hasattr(found, "quantities"):
         raise TypeError(
-            f"Stress colours are drawn of fm.stress(model) or fm.linear.section_resultants(model), not of"
-            f" {kind_of(found)}."
+            f"Colours of stress need fm.stress(model) or fm.linear.section_resultants(model), not {kind_of(found)}."
         )
     known = found.quantities()
     if quantity is None:
@@ -129,7 +128,7 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     values, unit = known[quantity]
     if values.ndim > 2:
         raise ValueError(
-            f"This stress is of {len(values)} states: draw that of one, of fm.stress(model, at=.., step=-1)."
+            f"This stress has {len(values)} states: draw one state, such as fm.stress(model, at=.., step=-1)."
         )
     return (values / 1e6, SURFACE[quantity]) if quantity in SURFACE else (values, f"{quantity} [{unit}]")
 

@@ -50,7 +50,7 @@ def sweep(
             given without ``y``.
     """
     if not isinstance(found, Sweep | Front):
-        raise TypeError(f"Argument `found` must be of fm.sweep(..), but is a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a result of fm.sweep(..), but is a {type(found).__name__}.")
     front = found if isinstance(found, Front) else None
     whole = front.whole if front else found
     assert isinstance(whole, Sweep)
@@ -109,7 +109,7 @@ def _against(
 ) -> Any:
     """One number of each design over another; designs of the front are marked and joined."""
     if x is None or y is None:
-        raise ValueError("Give both `x` and `y`, names of what is drawn over what.")
+        raise ValueError("Give both `x` and `y`, the names of the quantities of both axes.")
     if answer is not None or over is not None:
         raise ValueError("Give either `x` and `y`, or `answer` and `over`.")
     horizontal, vertical = whole.column(x), whole.column(y)
@@ -206,7 +206,7 @@ def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
         if name not in scalars:
             raise KeyError(f"no dimension '{name}' of one number; there are {', '.join(scalars)}")
     if len(shown) not in (1, 2):
-        raise ValueError(f"Show one dimension or two, not {len(shown)}: name them with `over`.")
+        raise ValueError(f"Draw over one dimension or two, not {len(shown)}: name them with `over`.")
     return shown
 
 

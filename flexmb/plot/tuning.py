@@ -28,7 +28,7 @@ def tuning(found: Tuned) -> Any:
         TypeError: ``found`` is no result of ``fm.tune``.
     """
     if not isinstance(found, Tuned):
-        raise TypeError(f"Argument `found` must be of fm.tune(..), but is a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a result of fm.tune(..), but is a {type(found).__name__}.")
     import matplotlib.pyplot as plt
 
     others = [name for name in found.answers if name not in found.curves]

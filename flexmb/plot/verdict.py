@@ -14,7 +14,7 @@ PANEL = 3.7, 2.9
 # Panels: title, first words of the curves' names, and whether they are drawn as share of the value at rest.
 PANELS = (
     ("force of the drive", ("force",), False),
-    ("support stiffness, share of that at rest", ("stiffness",), True),
+    ("support stiffness, share of the value at rest", ("stiffness",), True),
     ("natural frequencies, let go", ("frequency",), False),
     ("parasitic displacement", ("parasitic x", "parasitic y", "parasitic z"), False),
     ("parasitic rotation", ("parasitic phi", "parasitic rx", "parasitic ry", "parasitic rz"), False),
@@ -36,7 +36,7 @@ def verdict(found: Verdict) -> Any:
         TypeError: ``found`` is no Verdict.
     """
     if not isinstance(found, Verdict):
-        raise TypeError(f"Argument `found` must be of fm.verdict(..), but is a {type(found).__name__}.")
+        raise TypeError(f"Argument `found` must be a result of fm.verdict(..), but is a {type(found).__name__}.")
     import matplotlib.pyplot as plt
 
     by, prefix = prefix_of(float(np.max(np.abs(found.stroke))))

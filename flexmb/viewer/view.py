@@ -57,7 +57,7 @@ def view(
     """
     found = states_of(shown, at)
     if which is not None and found.moves is None:
-        raise ValueError(f"Argument `which` goes with Modes or Buckling; a {type(shown).__name__} has no modes.")
+        raise ValueError(f"Argument `which` needs Modes or Buckling; a {type(shown).__name__} has no modes.")
     if found.shares is not None and stress is not None:
         raise ValueError(f"A {type(shown).__name__} has its own colours: leave `stress` out.")
     several = found.along is not None
@@ -138,21 +138,21 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
     """Colours of all lines at all places, (rows, lines, places)."""
     if stress is None:
         if quantity is not None:
-            raise ValueError("Argument `quantity` says which of the `stress` colours the elements: give that too.")
+            raise ValueError("Argument `quantity` needs `stress`: give both.")
         return None
     several = list(stress) if isinstance(stress, list | tuple) else [stress]
     if len(several) != states:
         raise ValueError(
-            f"Argument `stress` must be one for each of the {states} states, but there are {len(several)}."
+            f"Argument `stress` must have one stress for each of the {states} states, but there are {len(several)}."
             if states > 1
-            else f"Argument `stress` must be one, that of the state which is shown, but there are {len(several)}."
+            else f"Argument `stress` must be the stress of the shown state, but there are {len(several)}."
         )
     found = [values_of(own, quantity) for own in several]
     label = found[0][1]
     drawn = lines(model, np.asarray(model.parameters.reference, float))
     known = {line.element: i for i, line in enumerate(drawn)}
     if missing := {name for own in several for name in own.names} - set(known):
-        raise ValueError(f"The stress is not of this model, which has no element '{min(missing)}'.")
+        raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     values = np.full((len(several), len(drawn), len(PLACES)), np.nan)
     for k, (own, (rows, _)) in enumerate(zip(several, found, strict=True)):
         for name, row in zip(own.names, rows, strict=True):

@@ -219,7 +219,7 @@ def test_support_stiffness_is_that_of_shooting():
     np.testing.assert_allclose(found.curves["stiffness y"][states] * LENGTH**3 / EI, stiffnesses, rtol=1e-4)
     assert "% lost at 5 mm" in found.summary().rows["support stiffness"]
     panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
-    drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
+    drawn = panels["support stiffness, share of the value at rest"].lines[0].get_ydata()
     # At rest 2 EA/L.
     assert drawn[5] == approx(352530.027 * (T / LENGTH) ** 2 / 24, rel=1e-4)
     plt.close("all")
@@ -259,7 +259,7 @@ def test_a_drive_holds_what_snaps_through():
     y = 0.2 + limit.stroke
     assert abs(2 * 1e4 / first * (np.sqrt(1 + y**2) - first) * y / np.sqrt(1 + y**2)) == approx(25, rel=1e-5)
     panels = {ax.get_title(): ax for ax in fm.plot.verdict(found).axes}
-    drawn = panels["support stiffness, share of that at rest"].lines[0].get_ydata()
+    drawn = panels["support stiffness, share of the value at rest"].lines[0].get_ydata()
     np.testing.assert_allclose(drawn, across / across[-1], rtol=1e-9)
     plt.close("all")
 

@@ -96,7 +96,7 @@ def test_stress_of_all_states_is_one_call(bent):
     np.testing.assert_allclose(found.smooth_maximum()[1], alone.smooth_maximum(), rtol=1e-12)
     assert alone.where.state is None
     assert "of state 2" in repr(found)
-    with pytest.raises(ValueError, match="of 3 states: draw that of one"):
+    with pytest.raises(ValueError, match="has 3 states: draw one state"):
         fm.plot.stress(found, path)
 
 
@@ -230,5 +230,5 @@ def test_a_picture_takes_an_equilibrium_by_its_article(pressed):
     found = fm.equilibrium(model, increment=1.0)
     plot.stress(fm.stress(model, at=found), found)
     stored = pickle.loads(pickle.dumps(found))
-    with pytest.raises(TypeError, match="not of an Equilibrium"):
+    with pytest.raises(TypeError, match="not an Equilibrium"):
         plot.mechanism(stored)

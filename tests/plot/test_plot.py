@@ -553,9 +553,9 @@ def test_any_two_quantities_of_a_path_or_a_motion(snapping, swinging):
     drawn = plot.history(swinging, ["reaction wall.x", "force cart.x"])
     assert drawn.get_ylabel() == "reaction and force [N]"
     np.testing.assert_allclose(drawn.lines[0].get_ydata(), -0.1 * x, atol=1e-12)
-    with pytest.raises(ValueError, match="drawn in two pictures"):
+    with pytest.raises(ValueError, match="draw two pictures"):
         plot.history(swinging, ["reaction wall.x", "frequency 1"])
-    with pytest.raises(ValueError, match="give `x` alone"):
+    with pytest.raises(ValueError, match="give only `x`"):
         plot.path(snapping, "top.x", x="top.y")
 
 
@@ -618,10 +618,10 @@ def test_bode_plot_of_many_poles_agrees_with_python_control(monkeypatch):
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
-        (lambda m: plot.mechanism(3), TypeError, "not of a int"),
+        (lambda m: plot.mechanism(3), TypeError, "not a int"),
         (lambda m: plot.mechanism(m, at=3), TypeError, "state of the model"),
-        (lambda m: plot.mechanism(m, step=1), ValueError, "goes with a Path"),
-        (lambda m: plot.mechanism(m, time=1.0), ValueError, "goes with a Motion"),
+        (lambda m: plot.mechanism(m, step=1), ValueError, "needs a Path"),
+        (lambda m: plot.mechanism(m, time=1.0), ValueError, "needs a Motion"),
         (lambda m: plot.mechanism(m, scale=np.nan), ValueError, "finite"),
         (lambda m: plot.mechanism(m, ax=plt.figure().add_subplot(projection="3d")), ValueError, "2 dimensions"),
         (lambda m: plot.modes(m), TypeError, "fm.modes"),

@@ -323,17 +323,17 @@ def test_notebook_gets_a_frame_with_the_whole_page(modes):
 @pytest.mark.parametrize(
     ("call", "kind", "words"),
     [
-        (lambda m, s: fm.view(3), TypeError, "not of a int"),
+        (lambda m, s: fm.view(3), TypeError, "not a int"),
         (lambda m, s: fm.view(m, at=3), TypeError, "state of the model"),
-        (lambda m, s: fm.view(m, which=[0]), ValueError, "goes with Modes"),
+        (lambda m, s: fm.view(m, which=[0]), ValueError, "needs Modes"),
         (lambda m, s: fm.view(fm.modes(m), which=[4]), ValueError, "no mode 4"),
         (lambda m, s: fm.view(fm.modes(m), which=[]), ValueError, "no mode to show"),
-        (lambda m, s: fm.view(fm.modes(m), at=m), ValueError, "says itself where it is"),
+        (lambda m, s: fm.view(fm.modes(m), at=m), ValueError, "has its own state"),
         (lambda m, s: fm.view(m, 3), TypeError, "fm.stress"),
         (lambda m, s: fm.view(m, [s, s]), ValueError, "but there are 2"),
         (lambda m, s: fm.view(m, s, "colour"), ValueError, "must be one of"),
-        (lambda m, s: fm.view(m, None, "tau"), ValueError, "give that too"),
-        (lambda m, s: fm.view(bent(planar.beam, (0, 1e-3))[0], s), ValueError, "not of this model"),
+        (lambda m, s: fm.view(m, None, "tau"), ValueError, "give both"),
+        (lambda m, s: fm.view(bent(planar.beam, (0, 1e-3))[0], s), ValueError, "belongs to another model"),
         (lambda m, s: fm.view(fm.mobility(m), s), ValueError, "its own colours"),
         (lambda m, s: fm.view(m).save("picture.png"), ValueError, "writes .html"),
         (lambda m, s: fm.view(m).save("nowhere/picture.html"), OSError, "nowhere"),
@@ -346,7 +346,9 @@ def test_bad_calls(guide, call, kind, words):
 
 @pytest.mark.slow
 def test_a_path_takes_one_stress_for_each_state(pressed):
-    with pytest.raises(ValueError, match=f"one for each of the {len(pressed.load_factor)} states, but there are 1"):
+    with pytest.raises(
+        ValueError, match=f"one stress for each of the {len(pressed.load_factor)} states, but there are 1"
+    ):
         fm.view(pressed, fm.stress(pressed.model, at=pressed.linearization()))
 
 
