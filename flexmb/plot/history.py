@@ -42,9 +42,7 @@ def history(
         ValueError: Quantities have different units, or arguments exclude each other.
     """
     if not isinstance(found, Motion):
-        raise TypeError(
-            f"Argument `found` must be a result of fm.simulate(model, times), but is a {type(found).__name__}."
-        )
+        raise TypeError(f"Argument `found` must be a result of fm.simulate(..), but is a {type(found).__name__}.")
     if (x is not None or y is not None) and (of is not None or velocity):
         raise ValueError("Arguments `x` and `y` name the quantities to draw: leave `of` and `velocity` out.")
     most = str(found.labels.x[found.states().most_moving()])
