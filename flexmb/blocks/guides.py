@@ -45,7 +45,7 @@ def parallel_guide(
         length: Length of the leaf springs, () [m].
         spacing: Distance between the leaf springs, () [m].
         section: Section of one leaf spring, such as ``fm.Rectangle(width, thickness, material)``.
-        name: Name of the block, which begins the names of its own nodes and elements.
+        name: Name of the block. The names of its nodes and elements begin with this name.
         at: Middle between the feet, (d,) [m]; by default the place of ``base``. Base and stage are rigid bodies and may
             be anywhere.
         along: Direction of the leaf springs from base to stage, (d,) [-]; by default (0, 1) or (0, 1, 0).

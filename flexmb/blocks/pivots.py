@@ -58,8 +58,8 @@ def cross_pivot(
         of the stage on the axis; elements "<name> leaf 1" and 2.
 
     Raises:
-        ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` in the plane; a length that is not positive, an
-            angle that is not between 0 and a right angle.
+        ModelError: See :func:`flexmb.blocks.parallel_guide`; ``apart`` is given in the plane; the length is not
+            positive, or the angle is not between 0 and a right angle.
 
     Source:
         THEORY.md 13, eq. (13.3), (13.4), (13.10).

@@ -336,7 +336,7 @@ class Builder(Description):
             inertia: See :meth:`mass`.
 
         Raises:
-            ModelError: Another number of values, or a matrix that is not symmetric.
+            ModelError: The number of values is wrong, or the matrix is not symmetric.
         """
         rotation, own = self._inertia(node, inertia)
         self._add_hidden("inertia", rotation, inertia=own)
@@ -672,7 +672,8 @@ class Builder(Description):
                 differentiable. A part is named as for :meth:`sensor`, with a quantity of :meth:`input`.
 
         Raises:
-            ModelError: As for :meth:`input`; no parts; forces together with motions, or motions of several kinds.
+            ModelError: As for :meth:`input`. There are no parts, forces are combined with motions, or motions are of
+                several kinds.
         """
         self._combine("input", "actuator", name, weights)
 

@@ -237,7 +237,7 @@ def frequency_response(
             as the resonance of a free body at 0 Hz.
 
     Raises:
-        KeyError: Unknown input or output.
+        KeyError: An input or output is unknown.
         ModelError: The model names no inputs or no outputs, or an input moves nothing.
         ValueError: A frequency is negative or not finite; an element with a loss factor has no stiffness.
         NotImplementedError: ``method="modes"`` for an unsymmetric stiffness or a motion.

@@ -130,8 +130,8 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             state space, such as ``fm.to_statespace(model, bandwidth=300.0)``.
         controller: System of python-control from the outputs to the inputs, continuous or sampled. It is connected by
             names or in order, like ``control`` of :func:`flexmb.simulate`. A sampled controller reads the mechanism at
-            its samples and keeps its output constant in between. An acceleration or force that it reads still belongs
-            to its previous output.
+            its samples and keeps its output constant in between. If it reads an acceleration or a force, this value
+            still results from its previous output.
         sign: -1 for a controller that reads reference - y, as with ``reference`` of :func:`flexmb.simulate`; 1 for a
             controller that reads y.
 

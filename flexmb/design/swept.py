@@ -51,7 +51,7 @@ class Sweep(Labelled):
             name: Name of a dimension or an answer, or of an entry of an array, such as "frequencies[0]".
 
         Returns:
-            (designs,), also of a grid [its unit].
+            (designs,), also for a grid [its unit].
 
         Raises:
             KeyError: There is no such name.

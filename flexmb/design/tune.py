@@ -108,7 +108,8 @@ def tune(
         optimizer: Optimiser of optax, with its steps projected onto the bounds. For targets alone, also a least-squares
             solver of optimistix. Default: L-BFGS-B of scipy, or for targets alone its trust-region reflective method;
             both keep bounds exactly.
-        starts: Number of starts: ``dimensions``, and others spread over the bounds. The best design is returned.
+        starts: Number of starts: ``dimensions``, and further starts spread over the bounds. The best design is
+            returned.
         together: Number of starts searched at the same time, with their designs in one call by ``jax.vmap``. This is
             faster for small models, and for large models on a GPU (many LAPACK calls at once may hang on a CPU).
         seed: Seed of the other starts.

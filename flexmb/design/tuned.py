@@ -39,8 +39,8 @@ class Tuned(Result):
         dimensions: Dimensions by name [SI].
         answers: Answers at these dimensions, by name [their units].
         start: Answers at the start, by name [their units].
-        result: Code of RESULTS: successful, infeasible, not_optimal, or the failure of an analysis; if targets are
-            missed, target_missed with a bound, a limit or an equality that holds the design, else local_minimum.
+        result: Code of RESULTS: successful, infeasible, not_optimal, or the failure of an analysis. For missed targets:
+            target_missed if a bound, a limit or an equality is active, otherwise local_minimum.
         reason: Reason why the search ended, in words.
         active: Dimensions at a bound and reached limits, in words.
         objective: Objective, relative to the start [-].

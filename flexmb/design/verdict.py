@@ -53,8 +53,8 @@ def verdict(
         model: Mechanism; or a function of ``dimensions`` that returns a mechanism.
         stroke: Stroke to both sides, or its two ends about zero, [m or rad]; with the name of the driven coordinate if
             the model does not determine it: {"top.x": 5e-3}, or in space {"top.rx": 0.1} for the angle about a global
-            axis. A coordinate that is prescribed with an increment, the one input, and the one degree of freedom need
-            no name.
+            axis. No name is needed for a coordinate that is prescribed with an increment, or if the model has only one
+            input or only one degree of freedom.
         dimensions: Numbers by name, as for ``flexmb.sensitivities`` [SI].
         limits: Limits by the name of a curve, in its unit. A number is the least value of "frequency 1", "stiffness y"
             and "buckling", and the largest size of any other curve. Or (lower, upper), with None for no limit. Default

@@ -110,8 +110,8 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
         The property ``curvature`` of a beam.
 
     Raises:
-        ModelError: Fewer than three points; points that coincide or are traced; a curve that bends too sharply for one
-            beam; ``y`` in the plane; ``y`` that is zero or parallel to the beginning of the curve.
+        ModelError: There are fewer than three points; points coincide or are traced; the curve bends too sharply for
+            one beam; ``y`` in the plane; ``y`` that is zero or parallel to the beginning of the curve.
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")

@@ -418,7 +418,7 @@ def notch_circular(
         (height - neck)/2.
 
     Raises:
-        ModelError: A size that is not positive, a neck that is higher than the bar.
+        ModelError: A size is not positive, or the neck is higher than the bar.
 
     Source:
         Paros and Weisbord (1965), Machine Design 37, 151: the shape.
@@ -445,7 +445,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         (height - neck)/2.
 
     Raises:
-        ModelError: A size that is not positive, a neck that is higher than the bar.
+        ModelError: A size is not positive, or the neck is higher than the bar.
 
     Warns:
         BeamTheoryWarning: Neck/radius is above 0.25, or the width is below twice sqrt(radius neck).
@@ -476,7 +476,7 @@ def notch_elliptic(
         The section of the whole beam.
 
     Raises:
-        ModelError: A size that is not positive, a neck that is higher than the bar.
+        ModelError: A size is not positive, or the neck is higher than the bar.
 
     Source:
         Smith, Badami, Dale, Xu (1997), Review of Scientific Instruments 68, 1474: the shape.

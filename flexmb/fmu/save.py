@@ -246,8 +246,8 @@ def save_fmu(
         in the folder of resources and cannot be set.
 
     Raises:
-        ValueError: The path has another ending, there is no such version, an argument does not belong to this system,
-            the state space is sampled, or FMI forbids a name or another variable of the unit has it.
+        ValueError: The path has another ending, the version does not exist, an argument does not belong to this system,
+            or the state space is sampled. FMI forbids a name, or two variables of the unit have the same name.
         ModelError: As :func:`flexmb.to_statespace`; for a nonlinear unit, an element or a function of time calls back
             to Python or has no translation, or a simulation has no such output.
         TypeError: The system has another type.

@@ -358,7 +358,7 @@ def buckling_loads(
     Raises:
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or its stiffness is not positive definite.
-        NotImplementedError: A second derivative with sparse matrices.
+        NotImplementedError: A second derivative is computed with sparse matrices.
 
     Warns:
         FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex. Or the mechanism

@@ -556,7 +556,7 @@ def section_resultants(
 
     Raises:
         ModelError: No flexible element has a section.
-        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
+        ValueError: There are fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
         AnalysisError: As for ``equilibrium``.
 
     Source:
@@ -599,7 +599,7 @@ def stress(
 
     Raises:
         ModelError: No element has a section with a shape.
-        ValueError: Fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
+        ValueError: There are fewer than two points; ``at`` is no state of this model; or arguments exclude each other.
         AnalysisError: As for ``equilibrium``.
 
     Source:

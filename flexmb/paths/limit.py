@@ -255,7 +255,7 @@ def limit_load(
     Raises:
         AnalysisError: max_steps: no limit point within the steps; not_converged or singular_configuration;
             singular_stiffness: no stiffness at the start.
-        NotImplementedError: A second derivative.
+        NotImplementedError: A second derivative is computed.
         ValueError: ``sparse`` contradicts ``solver``.
 
     Source:

@@ -227,8 +227,8 @@ def path(
               quantity passes the value.
         switch: Bifurcations at which the path changes to the other branch, by their number along the path from 1, and
             the direction: 1 along the motion phi of the point, -1 against it. Examples: ``{2: -1}``, ``{1: 1, 3: -1}``.
-            True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the path came along phi, 1 selects the direction of rising
-            load factor on the other branch, and -1 the direction of falling load factor.
+            True or 1 is ``{1: 1}``, -1 is ``{1: -1}``. If the path itself moves along phi at the point, 1 selects the
+            direction of rising load factor on the other branch, and -1 the direction of falling load factor.
         imperfection: Imperfection of the undeformed mechanism, free of stress: the largest displacement [m] of each
             buckling mode, by its number from 1, such as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about
             the first state of the path, for the increasing loads. A positive imperfection increases the coordinate with
@@ -261,8 +261,8 @@ def path(
             except after singular_mass.
         ValueError: max_steps or step is not positive; the stress is not below its limit at the start; there is no such
             buckling mode.
-        KeyError: Unknown coordinate.
-        ModelError: A stress condition, but no element has a section with a shape.
+        KeyError: The coordinate is unknown.
+        ModelError: ``stop`` has a stress, but no element has a section with a shape.
 
     Source:
         THEORY.md 7, eq. (7.8) and (7.9). At a critical point an eigenvalue of K changes sign. There psi^T (K t + r_load

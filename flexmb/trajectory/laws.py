@@ -345,7 +345,7 @@ def zv(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped:
         Function of time that ends half a damped period later than ``law``; it has no ``duration``.
 
     Raises:
-        TypeError, ValueError: No function; a frequency that is not positive; a ratio that is negative or not below 1.
+        TypeError, ValueError: The law is no function, the frequency is not positive, or the ratio is not in [0, 1).
 
     Source:
         Singer, Seering (1990), as THEORY.md 14, eq. (14.12).
@@ -365,7 +365,7 @@ def zvd(law: Callable, frequency: ArrayLike, damping: ArrayLike = 0.0) -> Shaped
         Function of time that ends a damped period later than ``law``; it has no ``duration``.
 
     Raises:
-        TypeError, ValueError: No function; a frequency that is not positive; a ratio that is negative or not below 1.
+        TypeError, ValueError: The law is no function, the frequency is not positive, or the ratio is not in [0, 1).
 
     Source:
         Singer, Seering (1990), as THEORY.md 14, eq. (14.12).

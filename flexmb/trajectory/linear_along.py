@@ -278,7 +278,7 @@ class TimeVarying(Labelled, Record):
             path: File.
 
         Raises:
-            ValueError: Another ending.
+            ValueError: The path has another ending.
             OSError: The folder is missing or not writable.
 
         Source:

@@ -87,7 +87,7 @@ class View:
             path: Where; ends in .html.
 
         Raises:
-            ValueError: Another ending.
+            ValueError: The path has another ending.
             OSError: The folder is missing or not writable.
         """
         if not os.fspath(path).endswith(".html"):
