@@ -94,8 +94,8 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
                 told = any(turn == element for element, *_ in labels.elements)
                 there = f" Its rotation is deformation 1 of the element '{turn}'." if told else ""
                 raise ModelError(
-                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, but only a FIXED or"
-                    f" PRESCRIBED one has it.{there or ' Fix or prescribe it, or leave this out.'}"
+                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, but it needs a FIXED or"
+                    f" PRESCRIBED one.{there or ' Fix or prescribe it, or leave this out.'}"
                 )
     return model
 

@@ -162,8 +162,8 @@ class _Writer:
         if not found:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
-                f"{what} has no keyword in a SPACAR input file. There are: {known}. A body that is clamped at both ends"
-                " is a beam without section that releases nothing."
+                f"{what} has no keyword in a SPACAR input file. There are: {known}. Use a beam without section and"
+                " without released deformations as a body that is clamped at both ends."
             )
         if member.element.options.get("second_order", True) is not True:
             raise _inexpressible(f"{what} has second_order=False")
