@@ -125,7 +125,7 @@ def unmet(stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition
         if condition.name:
             nearest = min((condition.of(step) for step in steps), key=lambda a: abs(a - condition.target))
             unit = f" {condition.unit}".rstrip(" -")
-            parts.append(f"{condition.name} reached {short(nearest)}{unit}, not to {short(condition.target)}{unit}")
+            parts.append(f"{condition.name} reached {short(nearest)}{unit}, not {short(condition.target)}{unit}")
     if COUNT in stop:
         parts.append(f"{COUNT} are {found}, not {stop[COUNT]}")
     return (

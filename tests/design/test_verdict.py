@@ -373,7 +373,7 @@ def test_what_cannot_be_asked_is_refused(stroke, more, expected, said):
     [
         ({"stif": 1.0}, "There are: force, drive stiffness"),
         ({"force": -1.0}, "must be positive"),
-        ({"force": (None, None)}, "none at all"),
+        ({"force": (None, None)}, r"\(None, None\)"),
         ({"force": (5.0, 1.0)}, "lower 5 is not below upper 1"),
     ],
 )

@@ -192,7 +192,9 @@ def test_a_spacar_file_has_the_damping_of_the_material(tmp_path):
 @pytest.mark.parametrize(("element", "dimension"), [(planar.beam, 2), (spatial.spectral_beam(2, shear=True), 3)])
 def test_a_spacar_file_cannot_have_the_damping_of_shear(element, dimension, tmp_path):
     b = cantilever(element, dimension, dataclasses.replace(LEAF, shear=True))
-    with pytest.raises(fm.ModelError, match=r"damped by its material, its shear too, which a SPACAR .* give `damping`"):
+    with pytest.raises(
+        fm.ModelError, match=r"damped by its material and its shear too, which a SPACAR .* give `damping`"
+    ):
         fm.write_spacar(b, tmp_path / "leaf.dat")
     assert not (tmp_path / "leaf.dat").exists()
 

@@ -301,7 +301,7 @@ def test_leaf_springs_that_stretch_at_the_start_are_told():
 @pytest.mark.slow
 def test_leaf_springs_that_stretch_along_a_trajectory_are_told():
     law = fm.trajectory.septic(0.0, 1e-3, 0.1)
-    with pytest.warns(fm.FlexmbWarning, match="At t = 0.1 s elements store 21.* take cubic beams"):
+    with pytest.warns(fm.FlexmbWarning, match="At t = 0.1 s elements store 21.* use cubic beams"):
         fm.trajectory.inverse_dynamics(spectral_guide(dof=True, dofs=STRETCHING), {"B.x": law}, np.linspace(0, 0.1, 5))
 
 

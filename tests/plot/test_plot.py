@@ -635,7 +635,7 @@ def test_bode_plot_of_many_poles_agrees_with_python_control(monkeypatch):
         (lambda m: plot.bode(m, "nothing"), ValueError, "no output 'nothing'"),
         (lambda m: plot.bode(m, hertz=[0.0, 1.0]), ValueError, "frequencies above zero"),
         (lambda m: plot.bode(3), TypeError, "StateSpace"),
-        (lambda m: plot.bode(control.ss(-1.0, 1.0, 1.0, 0.0, 0.1)), ValueError, "samples every 0.1 s"),
+        (lambda m: plot.bode(control.ss(-1.0, 1.0, 1.0, 0.0, 0.1)), ValueError, "sampled every 0.1 s"),
     ],
 )
 def test_bad_calls(guide, call, kind, words):

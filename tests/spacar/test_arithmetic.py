@@ -79,7 +79,7 @@ def test_random_ones_too(seed):
         ("", "missing at its end"),
         ("1+", "missing at its end"),
         ("(1", "not closed"),
-        ("1)", "not opened"),
+        ("1)", "no opening"),
         ("()", "no arithmetic"),
         ("1 2", "see '2'"),
         ("2a", "may have numbers"),

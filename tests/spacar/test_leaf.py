@@ -201,7 +201,7 @@ def test_numbers_of_a_section_may_be_traced():
 def test_a_rigid_leaf_spring_is_pointed_out():
     (warning,) = fm.read_spacar(CHAIN.replace("RLSE 1 1 2 3 4 5 6\n", "")).warnings
     assert warning == (
-        "text:1: LEAF: element 1 is rigid: RLSE 1 1 2 3 4 5 6 makes a leaf spring of it that deforms freely"
+        "text:1: LEAF: element 1 is rigid: RLSE 1 1 2 3 4 5 6 makes it a leaf spring that deforms freely"
     )
 
 

@@ -215,7 +215,7 @@ def test_modes_do_not_turn_over_while_dimensions_change(page):
 @pytest.mark.slow
 def test_wants_that_there_are_not_are_refused():
     assert Wants().changed({"mode": 2, "support_node": "A"}) == Wants(mode=2, support_node="A")
-    with pytest.raises(ValueError, match="no want 'modus'"):
+    with pytest.raises(ValueError, match="no question 'modus'"):
         Wants().changed({"modus": 2})
     with pytest.raises(ValueError, match="state"):
         Wants().changed({"state": "nothing"})

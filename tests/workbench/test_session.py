@@ -407,7 +407,7 @@ def test_advice_is_applied_and_old_advice_is_refused(opened):
 def test_wants_are_checked(opened):
     session, _ = opened()
     session.ask("want", {"mode": 1})
-    with pytest.raises(ValueError, match="no want 'nonsense'"):
+    with pytest.raises(ValueError, match="no question 'nonsense'"):
         session.ask("want", {"nonsense": 1})
     assert session.wants.mode == 1
 
