@@ -75,7 +75,7 @@ def test_pid_puts_its_poles_where_they_are_wanted_and_knows_the_names():
         ({}, fm.ModelError, "several outputs. Name one as `output`, of rate, place"),
         ({"output": "speed"}, fm.ModelError, "`output` names 'speed'"),
         ({"output": "rate"}, fm.ModelError, "Output 'rate' is a velocity"),
-        ({"output": "place", "bandwidth": 0.01, "damping": 0.1, "fast": 0.1}, ValueError, "more damping \(1.25 1/s\)"),
+        ({"output": "place", "bandwidth": 0.01, "damping": 0.1, "fast": 0.1}, ValueError, r"more damping \(1.25 1/s\)"),
         ({"output": "place", "slow": -1.0}, ValueError, "`slow`"),
     ],
 )
