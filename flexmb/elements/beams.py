@@ -136,6 +136,27 @@ def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, 
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
+def point_displacement(p: Array, *, ref: Reference) -> Array:
+    """Displacement of a point."""
+    return p - ref.p
+
+
+def point_drag(*, ref: Reference, damping: float) -> Array:
+    """Drag of a point: one coefficient for all axes of space."""
+    return jnp.diag(jnp.broadcast_to(damping, ref.p.shape))
+
+
+def displacements(p: Array, q: Array, slopes: Array, ref: Reference) -> Array:
+    """Displacement and length times change of the axis at p, then at q: coordinates of the cubic along a beam."""
+    chord, l0 = ref.q - ref.p, beam_length(ref)
+    return jnp.concatenate([p - ref.p, l0 * slopes[0] - chord, q - ref.q, l0 * slopes[1] - chord])
+
+
+def drag_by_length(*, ref: Reference, damping: float) -> Array:
+    """Drag of a beam whose deflection is a cubic, consistent with its mass."""
+    return jnp.kron(damping * beam_length(ref) * CUBIC_MASS, np.eye(ref.p.shape[0]))
+
+
 def rigid_inertia(p: Array, rot_p: Array, q: Array, *, ref, section: Section):
     """Distributed mass of a rigid line from p, a body with a rotation, to q."""
     return line_inertia(p, q, ref=ref, section=section)

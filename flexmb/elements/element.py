@@ -97,6 +97,7 @@ class Element:
             angle only while it is small.
         third_order: Whether the energy is at least of third order in the deformations, so that the element has no
             effect in the undeformed mechanism.
+        grounded: Whether the deformations are displacements relative to the ground, which rigid motion changes.
         series: ``f(**options) -> fields``, numbers (from 1) of the deformations of each strain field, if the strains
             are series. The node annotated ``Series2`` or ``Series3`` stores their coefficients.
         lengths: Numbers (from 0) of the strain fields whose coefficients are lengths (elongation and shears). The
@@ -125,6 +126,7 @@ class Element:
     measured: tuple[int, ...] = ()
     angles: tuple[int, ...] = ()
     third_order: bool = False
+    grounded: bool = False
     series: Callable[..., tuple[tuple[int, ...], ...]] | None = None
     lengths: tuple[int, ...] = ()
     names: tuple[str, ...] = ()

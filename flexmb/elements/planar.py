@@ -5,7 +5,8 @@
 - Flexible: truss, beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
 - Joints: hinge, slider, prismatic. Transmissions: gear, belt, belt_to_point.
-- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper.
+- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper. Drag against the ground: drag (of a
+  point), beam_drag (by length).
 - Mass and loads: mass, inertia, body, follower_force.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
@@ -319,6 +320,40 @@ def _nothing_at(p: Point2, *, ref: Reference) -> Float[Array, "0"]:
 
 mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
+
+
+def _drag(p: Point2, *, ref: Reference) -> Float[Array, "2"]:
+    """Displacement of p. Returns (2,) [m]. Source: Definition."""
+    return beams.point_displacement(p, ref=ref)
+
+
+drag = Element(_drag, damping=beams.point_drag, measured=(1, 2), grounded=True, names=("x", "y"))
+"""Drag of a point in a fluid at rest: force -damping times the velocity. Properties: damping [N s/m].
+
+Deformations: e1 to e2: displacement along x, y [m].
+"""
+
+
+def _beam_drag(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference) -> Float[Array, "8"]:
+    """Displacements of the ends, and length times change of the axis there. Returns (8,) [m]. Source: Definition."""
+    return beams.displacements(p, q, _axes(rot_p, rot_q, ref)[:, 0], ref)
+
+
+beam_drag = Element(
+    _beam_drag,
+    damping=beams.drag_by_length,
+    check=beams.check_length,
+    measured=tuple(range(1, 9)),
+    grounded=True,
+    names=("x_p", "y_p", "axis_x_p", "axis_y_p", "x_q", "y_q", "axis_x_q", "axis_y_q"),
+)
+"""Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
+
+Deformations: e1 to e4: displacement of p, and length times change of the axis there [m]; e5 to e8: of q.
+
+The velocity between the ends is a cubic, as in ``planar.beam``, whichever beam lies there. The damping alpha times the
+mass per length is damping in proportion to the mass, alpha M0 of Rayleigh, also for large motions.
+"""
 
 
 def _nothing_on(rot: Angle, *, ref: Reference) -> Float[Array, "0"]:

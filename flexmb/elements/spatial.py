@@ -5,7 +5,8 @@
 - Flexible: truss, beam, warping_beam, spectral_beam, leaf_spring.
 - Rigid: rigid_beam (pinned at its second end; pin_body is the same), rigid_body (clamped at both).
 - Joints: hinge, slider, prismatic, screw. Transmissions: gear.
-- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper.
+- Springs and dampers with a law of your own: spring_damper, rotary_spring_damper. Drag against the ground: drag (of a
+  point), beam_drag (by length).
 - Mass and loads: mass, inertia, body, moment (about fixed axes), follower_force, follower_moment.
 
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of their triads.
@@ -440,6 +441,41 @@ def _nothing_at(p: Point3, *, ref: Reference) -> Float[Array, "0"]:
 
 mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 """Point mass. Properties: mass [kg]."""
+
+
+def _drag(p: Point3, *, ref: Reference) -> Float[Array, "3"]:
+    """Displacement of p. Returns (3,) [m]. Source: Definition."""
+    return beams.point_displacement(p, ref=ref)
+
+
+drag = Element(_drag, damping=beams.point_drag, measured=(1, 2, 3), grounded=True, names=("x", "y", "z"))
+"""Drag of a point in a fluid at rest: force -damping times the velocity. Properties: damping [N s/m].
+
+Deformations: e1 to e3: displacement along x, y, z [m].
+"""
+
+
+def _beam_drag(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "12"]:
+    """Displacements of the ends, and length times change of the axis there. Returns (12,) [m]. Source: Definition."""
+    return beams.displacements(p, q, _triads(rot_p, rot_q, ref, None)[:, :, 0], ref)
+
+
+beam_drag = Element(
+    _beam_drag,
+    damping=beams.drag_by_length,
+    check=beams.check_length,
+    measured=tuple(range(1, 13)),
+    grounded=True,
+    names=tuple(f"{what}{axis}_{end}" for end in "pq" for what in ("", "axis_") for axis in "xyz"),
+)
+"""Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
+
+Deformations: e1 to e6: displacement of p, and length times change of the axis there [m]; e7 to e12: of q.
+
+The velocity between the ends is a cubic, as in ``spatial.beam``, whichever beam lies there; the rotation of the beam
+about its axis has no drag. The damping alpha times the mass per length is damping in proportion to the mass, alpha M0
+of Rayleigh, also for large motions.
+"""
 
 
 def _nothing_on(rot: Rotation3, *, ref: Reference) -> Float[Array, "0"]:
