@@ -13,6 +13,7 @@ import numpy as np
 from ..arguments import is_concrete
 from . import compile
 from .program import Captured, Code, captured
+from .recompiled import noted
 
 # Numbers of formulas, not of designs. They stay in the program, so that the compiler can omit operations.
 FORMAL = frozenset((0.0, 0.5, 1.0, 2.0))
@@ -50,7 +51,8 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         like = structure, compile.exact(tuple(sorted(options.items()))), kinds
         if like not in taken:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
-            found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
+            with noted("", None, (), (), counts=False):
+                found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
             if not is_concrete(found.numbers):
                 # Numbers of an outer trace may be differentiated and differ next time: shared code must have the same
                 # derivatives too.
@@ -58,7 +60,12 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
                 return _called(found, run_of(found.code), leaves)
             with jax.core.eval_context():
                 found = dataclasses.replace(found, numbers=tuple(jax.device_put(list(found.numbers))))
+            compiled_before = run_of.cache_info().misses
             taken[like] = found, run_of(found.code)
+            if run_of.cache_info().misses > compiled_before:
+                name, fixed = compile.name_of(function), tuple(sorted(options.items()))
+                with noted(name, structure, fixed, [jax.ShapeDtypeStruct(*kind) for kind in kinds]):
+                    pass
         return _called(*taken[like], leaves)
 
     return call
@@ -76,7 +83,7 @@ def run_of(code: Code) -> Callable[..., Any]:
     def function(_: Any, __: Any, *leaves: Any):
         return jax.core.eval_jaxpr(code.jaxpr, leaves[:count], *leaves[count:])
 
-    return compile.compiled(function, compile.name_of(jit))
+    return compile.compiled(function, compile.name_of(jit), counts=False)
 
 
 def _is_known(leaf: Any) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from . import kept
 from .host import Run, forget, is_within_run
+from .recompiled import noted
 from .threads import one_thread
 
 P = ParamSpec("P")
@@ -121,15 +122,21 @@ def is_staged() -> bool:
     return isinstance(jax.lax.add(np.zeros(()), np.zeros(())), jax.core.Tracer)
 
 
-def compiled(function: Callable[..., Any], name: str) -> Callable[..., Any]:
-    """``run(structure, fixed, leaves)``: ``function(structure, fixed, *leaves)``, compiled by the settings."""
+def compiled(function: Callable[..., Any], name: str, counts: bool = True) -> Callable[..., Any]:
+    """``run(structure, fixed, leaves)``: ``function(structure, fixed, *leaves)``, compiled by the settings.
+
+    ``counts``: whether compilations are counted by this name.
+    """
 
     def whole(structure: Any, fixed: tuple[Any, ...], *leaves: Any):
         return jax.tree.map(_strong, function(structure, fixed, *leaves))
 
     @functools.lru_cache(MOST_VARIANTS)
     def variant(structure: Any, fixed: tuple[Any, ...], mode: str, keeps: bool, _: Any):
-        own = functools.partial(whole, structure, fixed)
+        def own(*leaves: Any):
+            with noted(name, structure, fixed, leaves, counts):
+                return whole(structure, fixed, *leaves)
+
         things = (whole, structure, fixed) if keeps else None
 
         def program(*leaves: Any):

@@ -1,0 +1,74 @@
+"""Notice of a function that is compiled for the third time in a process: what differs from the time before.
+
+A notice is a line of the log "flexmb" at level INFO, since several models in one process are usual:
+``logging.basicConfig(level="INFO")`` shows it.
+"""
+
+import contextlib
+import contextvars
+import logging
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import jax
+import numpy as np
+
+from ..errors import clean
+
+# A second compilation is usual, such as for a gradient or another model.
+THIRD = 3
+# Differences that a notice names.
+MOST_NAMED = 4
+
+
+class _Compilation(NamedTuple):
+    count: int
+    structure: Any
+    options: dict[Any, Any]
+    kinds: list[str]
+
+
+_last: dict[str, _Compilation] = {}
+# Functions within another one are compiled with it.
+_within = contextvars.ContextVar("within", default=False)
+
+
+@contextlib.contextmanager
+def noted(name: str, structure: Any, fixed: tuple[Any, ...], leaves: Any, counts: bool = True) -> Iterator[None]:
+    """Count a compilation of a function by its name; at the third, log what differs from the second."""
+    if counts and not _within.get():
+        before, pairs = _last.get(name), all(type(own) is tuple and len(own) == 2 for own in fixed)
+        kinds = [f"{leaf.dtype}{list(np.shape(leaf))}" for leaf in leaves]
+        options = dict(fixed) if pairs else dict(enumerate(fixed))
+        now = _last[name] = _Compilation(1 if before is None else before.count + 1, structure, options, kinds)
+        if before is not None and now.count == THIRD:
+            found = _differences(before, now)
+            more = f"; and {len(found) - MOST_NAMED} more" if found[MOST_NAMED:] else ""
+            text = "%s is compiled for the third time in this process. New since the last time: %s"
+            logging.getLogger("flexmb").info(text, name, "; ".join(found[:MOST_NAMED]) + more)
+    token = _within.set(True)
+    try:
+        yield
+    finally:
+        _within.reset(token)
+
+
+def _differences(before: _Compilation, now: _Compilation) -> list[str]:
+    """Shapes of arguments by name, options, and structure."""
+    old, new = (_named(asked.structure, asked.kinds) for asked in (before, now))
+    found = [f"{at} {old[at]} -> {new[at]}" for at in new if at in old and old[at] != new[at]]
+    found += [f"{at} is gone" for at in old if at not in new] + [f"{at} {new[at]}" for at in new if at not in old]
+    for name in dict.fromkeys((*before.options, *now.options)):
+        texts = [clean(repr(options.get(name))) for options in (before.options, now.options)]
+        found += [f"option {name} {' -> '.join(texts)}"] if texts[0] != texts[1] else []
+    if not found and before.structure != now.structure:
+        found = ["the structure: element types, their options, or other values that choose code"]
+    return found or ["operations of the function, a use in jax.grad or jax.vmap, or a setting"]
+
+
+def _named(structure: Any, kinds: list[str]) -> dict[str, str]:
+    """Kinds of arrays by the names of the arguments, properties and fields that contain them."""
+    if structure is None or structure.num_leaves != len(kinds):
+        return {f"number {i + 1}": kind for i, kind in enumerate(kinds)}
+    leaves, _ = jax.tree_util.tree_flatten_with_path(jax.tree.unflatten(structure, kinds))
+    return {f"argument{jax.tree_util.keystr(path)}": kind for path, kind in leaves}
