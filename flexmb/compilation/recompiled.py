@@ -22,7 +22,7 @@ MOST_NAMED = 4
 
 
 class _Compilation(NamedTuple):
-    count: int
+    number: int
     structure: Any
     options: dict[Any, Any]
     kinds: list[str]
@@ -40,8 +40,8 @@ def noted(name: str, structure: Any, fixed: tuple[Any, ...], leaves: Any, counts
         before, pairs = _last.get(name), all(type(own) is tuple and len(own) == 2 for own in fixed)
         kinds = [f"{leaf.dtype}{list(np.shape(leaf))}" for leaf in leaves]
         options = dict(fixed) if pairs else dict(enumerate(fixed))
-        now = _last[name] = _Compilation(1 if before is None else before.count + 1, structure, options, kinds)
-        if before is not None and now.count == THIRD:
+        now = _last[name] = _Compilation(1 if before is None else before.number + 1, structure, options, kinds)
+        if before is not None and now.number == THIRD:
             found = _differences(before, now)
             more = f"; and {len(found) - MOST_NAMED} more" if found[MOST_NAMED:] else ""
             text = "%s is compiled for the third time in this process. New since the last time: %s"
