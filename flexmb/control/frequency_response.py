@@ -1,7 +1,9 @@
 """Complex responses to harmonic inputs, by frequency, output and input, with derivatives."""
 
+import csv
 import os
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -94,19 +96,24 @@ class FrequencyResponse(Labelled, Record):
         return np.array([[ratio(*pair) if all(pair) else "" for pair in row] for row in pairs])
 
     def save(self, path: str | os.PathLike) -> None:
-        """Write each response as a data set 58 of the universal file format: text, in SI units.
+        """Write the responses to a file, in SI units.
+
+        A universal file has a data set 58 for each response. A CSV file has the columns "hertz", "real" and
+        "imaginary", as ``flexmb fit`` reads them; with several responses "real OUTPUT by INPUT" and so on.
 
         Args:
-            path: Path of the file; it ends in .uff or .unv.
+            path: Path of the file; it ends in .uff, .unv or .csv.
 
         Raises:
-            ImportError: pyuff is not installed.
+            ImportError: pyuff is not installed, which universal files need.
             ValueError: The path has another ending, there are fewer than two frequencies, or a response is not finite.
             OSError: The folder is missing or not writable.
 
         Warns:
             FlexmbWarning: The format rounds the frequencies, to six digits.
         """
+        if Path(path).suffix == ".csv":
+            return self._write_columns(path)
         held = Responses(
             np.asarray(self.hertz),
             np.asarray(self.response),
@@ -116,6 +123,19 @@ class FrequencyResponse(Labelled, Record):
             self.input_ports,
         )
         write(held, path)
+
+    def _write_columns(self, path: str | os.PathLike) -> None:
+        names, columns = ["hertz"], [np.asarray(self.hertz)]
+        values = np.asarray(self.response)
+        if not np.all(np.isfinite(values)):
+            raise ValueError("A file contains only finite numbers, but a response is not finite: damp the resonance.")
+        for i, output in enumerate(self.outputs):
+            for j, source in enumerate(self.inputs):
+                pair = f" {output} by {source}" if values[0].size > 1 else ""
+                names += [f"real{pair}", f"imaginary{pair}"]
+                columns += [values[:, i, j].real, values[:, i, j].imag]
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([names, *np.column_stack(columns).tolist()])
 
     @staticmethod
     def load(path: str | os.PathLike) -> "FrequencyResponse":

@@ -42,7 +42,10 @@ def write(response: Responses, path: str | os.PathLike) -> None:
     """Write every response; see :meth:`FrequencyResponse.save`."""
     target, hertz, values = Path(path), response.hertz, response.response
     if target.suffix not in ENDINGS:
-        raise ValueError(f"A universal file ends in {' or '.join(ENDINGS)}, not '{clean(target.name)}'.")
+        raise ValueError(
+            f"A file of responses ends in {', '.join(ENDINGS)} or .csv, not '{clean(target.name)}'. For other programs"
+            " use to_pandas() or to_xarray()."
+        )
     if len(hertz) < 2:
         raise ValueError("A universal file needs two frequencies or more.")
     if not np.all(np.isfinite(values)):

@@ -174,6 +174,11 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
             raise StudyError(
                 f"{key}: a magnitude is {np.min(size):g}, but cannot be negative. Convert levels in dB to magnitudes."
             )
+        if np.any(np.abs(angle) > 4 * np.pi):
+            raise StudyError(
+                f"{key}: a phase is {angle[np.argmax(np.abs(angle))]:g}, more than two turns. Phases are in radians:"
+                " convert degrees, or subtract whole turns."
+            )
         values = size * np.exp(1j * angle)
     else:
         real, imaginary = (_needed(key, entry, part) for part in ("real", "imaginary"))

@@ -54,7 +54,10 @@ def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., 
         return y
     wanted = reference(t)
     if wanted.shape != y.shape:
-        raise ModelError(f"`reference` returns shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs.")
+        raise ModelError(
+            f"`reference` returns shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs. Return one value"
+            " for each output, in the order of the builder."
+        )
     return wanted - y
 
 

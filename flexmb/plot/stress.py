@@ -110,11 +110,11 @@ def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: 
     write(ax, at, f"  {told}, '{name}' at {node or format(place, '.3g')}", va="bottom")
 
 
-def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
+def values_of(found: Any, quantity: str | None, *, of_states: bool = False) -> tuple[np.ndarray, str]:
     """Value at each place of each element, and the label of its scale.
 
     Returns (elements, places) [MPa, N, N m], of the eight points of a surface the largest with its sign; label with
-    unit.
+    unit. With ``of_states`` the stress may have several states, (states, elements, places).
     """
     if not hasattr(found, "quantities"):
         raise TypeError(
@@ -126,7 +126,7 @@ def values_of(found: Any, quantity: str | None) -> tuple[np.ndarray, str]:
     if quantity not in known:
         raise ValueError(f"Argument `quantity` must be one of {', '.join(known)}, but is '{quantity}'.")
     values, unit = known[quantity]
-    if values.ndim > 2:
+    if values.ndim > 2 and not of_states:
         raise ValueError(
             f"This stress has {len(values)} states: draw one state, such as fm.stress(model, at=.., step=-1)."
         )

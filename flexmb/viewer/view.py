@@ -141,20 +141,23 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
             raise ValueError("Argument `quantity` needs `stress`: give both.")
         return None
     several = list(stress) if isinstance(stress, list | tuple) else [stress]
+    found = [values_of(own, quantity, of_states=len(several) == 1) for own in several]
+    label = found[0][1]
+    # One stress of a path or motion has all its states.
+    every = found[0][0] if found[0][0].ndim > 2 else [rows for rows, _ in found]
+    several = several * len(every) if len(several) == 1 else several
     if len(several) != states:
         raise ValueError(
             f"Argument `stress` must have one stress for each of the {states} states, but there are {len(several)}."
             if states > 1
             else f"Argument `stress` must be the stress of the shown state, but there are {len(several)}."
         )
-    found = [values_of(own, quantity) for own in several]
-    label = found[0][1]
     drawn = lines(model, np.asarray(model.parameters.reference, float))
     known = {line.element: i for i, line in enumerate(drawn)}
     if missing := {name for own in several for name in own.names} - set(known):
         raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     values = np.full((len(several), len(drawn), len(PLACES)), np.nan)
-    for k, (own, (rows, _)) in enumerate(zip(several, found, strict=True)):
+    for k, (own, rows) in enumerate(zip(several, every, strict=True)):
         for name, row in zip(own.names, rows, strict=True):
             values[k, known[name]] = np.interp(PLACES, np.asarray(own.places), row)
     return Colours(label, *colours_of(values[np.isfinite(values)], label), values)

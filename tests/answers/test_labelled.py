@@ -258,3 +258,17 @@ def test_noise_and_inputs_along_a_trajectory_have_names_and_units():
     data = fm.trajectory.time_varying(nominal).to_xarray()
     assert list(data.rate) == [f"d/dt {name}" for name in data.state.values]
     np.testing.assert_allclose(data.A[0], [[0, 1], [-200.0 / 0.5 / 4, -1.0 / 0.5 / 4]], rtol=1e-12)
+
+
+def test_a_response_as_columns(response, tmp_path):
+    response.save(tmp_path / "plant.csv")
+    table = np.genfromtxt(tmp_path / "plant.csv", delimiter=",", names=True, deletechars="", replace_space=" ")
+    assert table.dtype.names[0] == "hertz"
+    np.testing.assert_array_equal(table["hertz"], HERTZ)
+    expected = response.of("velocity left1.x")
+    np.testing.assert_array_equal(table["imaginary velocity left1.x by force right1.x"], expected.imag)
+    one = FrequencyResponse(response.hertz, response.response[:, :1], response.outputs[:1], response.inputs)
+    one.save(tmp_path / "one.csv")
+    assert (tmp_path / "one.csv").read_text().splitlines()[0] == "hertz,real,imaginary"
+    with pytest.raises(ValueError, match=r"ends in \.uff, \.unv or \.csv, not 'one\.mat'\. For other programs use"):
+        one.save(tmp_path / "one.mat")

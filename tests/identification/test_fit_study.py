@@ -270,6 +270,10 @@ FAULTS = [
         "[data.r]\nresponse = true\nhertz = [5.0]\nmagnitude = [-60.0]\nphase = [0.0]\ndeviation = 1.0",
         "a magnitude is -60, but cannot be negative",
     ),
+    (
+        "[data.r]\nresponse = true\nhertz = [5.0]\nmagnitude = [1.0]\nphase = [-178.0]\ndeviation = 1.0",
+        "a phase is -178, more than two turns. Phases are in radians",
+    ),
     ("[data.f]\nmodes = true\nvalues = [40.0, 10.9]\ndeviation = 0.1", "has 40 Hz for mode 1 and"),
     (CURVE + "values = 940.0\n[fit]\nlevel = 95.0", "[fit] level must be below 1"),
     (CURVE + "values = 940.0\n[fit]\nloss = 'l1'", "[fit] loss must be"),

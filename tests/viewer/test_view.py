@@ -250,6 +250,8 @@ def test_rigid_elements_have_no_colour(guide):
 def test_colours_along_a_path(pressed):
     stresses = [fm.stress(pressed.model, at=pressed.linearization(i)) for i in range(len(pressed.load_factor))]
     view = fm.view(pressed, stresses, "sigma_x")
+    together = fm.view(pressed, fm.stress(pressed.model, at=pressed), "sigma_x")
+    np.testing.assert_allclose(together.colours.values, view.colours.values, rtol=1e-12)
     # A truss: the same stress all along, of every step its own.
     force = np.array([float(s.resultants.values[0, 0, 0]) for s in stresses])
     expected = np.repeat(force[:, None] / (WIDTH * THICKNESS) / 1e6, len(view.lines.base), axis=1)
