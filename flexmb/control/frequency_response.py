@@ -126,7 +126,7 @@ class FrequencyResponse(Labelled, Record):
 
     def _write_columns(self, path: str | os.PathLike) -> None:
         names, columns = ["hertz"], [np.asarray(self.hertz)]
-        values = np.asarray(self.response)
+        values: Any = np.asarray(self.response)
         if not np.all(np.isfinite(values)):
             raise ValueError("A file contains only finite numbers, but a response is not finite: damp the resonance.")
         for i, output in enumerate(self.outputs):
