@@ -130,10 +130,10 @@ def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace
     own = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
     if curvature is None and rule.basis.shape[1] == 1:
         # Constant strains are one screw motion.
-        ends = jnp.concatenate([jnp.zeros(1), jnp.cumsum(jnp.asarray(rule.lengths))])
+        ends = np.tri(rule.lengths.size + 1, rule.lengths.size, -1) @ rule.lengths
         return screw_line(own[0, 0] * length, ends)
     if curvature is not None:
-        starts = jnp.cumsum(rule.lengths) - rule.lengths
+        starts = np.tri(rule.lengths.size, k=-1) @ rule.lengths
         places = (starts[:, None] + jnp.asarray(rule.lengths)[:, None] * gauss(3)[0]).ravel()
         own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3))).reshape(-1, 3, 6)
     motions = screws(own * length, rule.lengths)

@@ -19,47 +19,61 @@ from .rotation import CONJUGATE, RELATIVE, SQUARES
 TURNS = np.swapaxes(CONJUGATE[:, None, None] * RELATIVE, 1, 2).reshape(16, 4)
 # Rows of a triad from the 16 products of pairs of Euler parameters.
 TRIADS = SQUARES.reshape(16, 3, 3).swapaxes(1, 2).reshape(16, 9)
+# Cross products from the 9 products of pairs; vector part of the quaternion product of 4 parameters and a vector.
+CROSSES = np.cross(np.eye(3)[:, None], np.eye(3))
+HALF_TURNED = TURNS.reshape(4, 4, 4)[:, 1:, 1:].reshape(12, 3)
+# Lie brackets of six-vectors from the 36 products of pairs.
+BRACKETS = np.zeros((2, 3, 2, 3, 2, 3))
+for _first, _second in ((0, 0), (0, 1), (1, 0)):
+    BRACKETS[_first, :, _second, :, _first + _second] = CROSSES
+BRACKETS = BRACKETS.reshape(36, 6)
 # Functions c_j(z) = sum over k of z^k/(2k + j)!: cos t, sin t / t, (1 - cos t)/t^2 and (t - sin t)/t^3 at z = -t^2.
 # Power series up to |z| = SWITCH, exact to rounding; c_j = 1/j! + z c_(j+2) beyond.
 FUNCTIONS, TERMS, SWITCH = 4, 16, 4.0
-# Highest derivative that motions use; each derivative needs two more functions.
-MOST = 3
+# Derivatives from one evaluation; each needs two more functions.
+DERIVATIVES = 4
 
 
 @functools.cache
-def _tables(derivative: int) -> tuple[np.ndarray, np.ndarray]:
-    """Coefficients of the power series, (terms, functions), and matrix of 2 c_j' = c_(j+1) - j c_(j+2)."""
-    count = FUNCTIONS + 2 * max(derivative, MOST)
+def _tables(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Coefficients of the power series, (terms, count), and matrix of 2 c_j' = c_(j+1) - j c_(j+2)."""
     series = [[1 / math.factorial(2 * k + j) for j in range(count)] for k in range(TERMS)]
-    once = (np.eye(count, k=1) - np.arange(count)[:, None] * np.eye(count, k=2)) / 2
-    return np.array(series), np.linalg.matrix_power(once, derivative)[:FUNCTIONS].T
+    return np.array(series), (np.eye(count, k=-1) - np.arange(count) * np.eye(count, k=-2)) / 2
 
 
-@functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
-def _functions(z: Float[Array, "n 1"], derivative: int) -> Float[Array, "n 4"]:
-    """A derivative of the four functions at z <= 0. The next derivative is its tangent."""
-    series, matrix = _tables(derivative)
+@functools.partial(jax.custom_jvp, nondiff_argnums=(1, 2))
+def _functions(z: Float[Array, "n 1"], count: int, derivatives: int) -> Float[Array, "n count"]:
+    """Functions at z <= 0; the derivatives of all but two for each of them follow from their values."""
+    series, _ = _tables(count)
     near = z > -SWITCH
     small, large = jnp.where(near, z, 0.0), jnp.where(near, -SWITCH, z)
     powers = jnp.concatenate([jnp.ones_like(z), small], axis=1)
-    for count in (2, 4, 8):
-        powers = jnp.concatenate([powers, powers * small**count], axis=1)
+    for power in (2, 4, 8):
+        powers = jnp.concatenate([powers, powers * small**power], axis=1)
     angle = jnp.sqrt(-large)
     beyond = [jnp.cos(angle), jnp.sin(angle) / angle]
-    for j in range(series.shape[1] - 2):
+    for j in range(count - 2):
         beyond.append((beyond[j] - 1 / math.factorial(j)) / large)
-    return jnp.where(near, powers @ series, jnp.concatenate(beyond, axis=1)) @ matrix
+    return jnp.where(near, powers @ series, jnp.concatenate(beyond, axis=1))
 
 
 @_functions.defjvp
-def _functions_jvp(derivative: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]):
-    return _functions(primals[0], derivative), _functions(primals[0], derivative + 1) * tangents[0]
+def _functions_jvp(count: int, derivatives: int, primals: tuple[Array, ...], tangents: tuple[Array, ...]):
+    more = 0 if derivatives else 2 * DERIVATIVES
+    values = _functions(primals[0], count + more, derivatives - 1 if derivatives else DERIVATIVES - 1)
+    slopes = values @ _tables(count + more)[1][:, :count]
+    return values[:, :count], slopes * tangents[0]
+
+
+def _product(a: Float[Array, "*#n j"], b: Float[Array, "*#n k"], table: np.ndarray) -> Float[Array, "*#n m"]:
+    """Bilinear products: the products of all pairs times a constant table, (j k, m)."""
+    pairs = a[..., :, None] * b[..., None, :]
+    return pairs.reshape(*pairs.shape[:-2], table.shape[0]) @ table
 
 
 def compose_turns(a: Float[Array, "*#n 4"], b: Float[Array, "*#n 4"]) -> Float[Array, "*#n 4"]:
     """Return Euler parameters of rotation a followed by b about axes that turn with a: quaternion products."""
-    both = a[..., :, None] * b[..., None, :]
-    return both.reshape(*both.shape[:-2], 16) @ TURNS
+    return _product(a, b, TURNS)
 
 
 class Chain(NamedTuple):
@@ -79,15 +93,15 @@ class Chain(NamedTuple):
 def _exponentials(motions: Float[Array, "n 6"]) -> tuple[Float[Array, "n 4"], Float[Array, "n 3"]]:
     """Euler parameters and translations of screw motions. Source: THEORY.md 2, eq. (2.13)."""
     half, way = motions[:, :3] / 2, motions[:, 3:]
-    c = _functions(-jnp.sum(half**2, axis=1)[:, None], 0)
-    part = c[:, 1:2] * half
+    c = _functions(-jnp.sum(half**2, axis=1)[:, None], FUNCTIONS + 2 * DERIVATIVES, DERIVATIVES)
+    turns = jnp.concatenate([c[:, :1], c[:, 1:2] * half], axis=1)
     along = jnp.sum(half * way, axis=1)[:, None]
-    ways = c[:, 1:2] * (c[:, :1] * way + cross(part, way)) + (c[:, 3:] + c[:, 1:2] * c[:, 2:3]) * along * half
-    return jnp.concatenate([c[:, :1], part], axis=1), ways
+    ways = c[:, 1:2] * _product(turns, way, HALF_TURNED) + (c[:, 3:4] + c[:, 1:2] * c[:, 2:3]) * along * half
+    return turns, ways
 
 
 def _axes(turns: Float[Array, "n 4"]) -> Float[Array, "n 3 3"]:
-    return ((turns[:, :, None] * turns[:, None, :]).reshape(-1, 16) @ TRIADS).reshape(-1, 3, 3)
+    return _product(turns, turns, TRIADS).reshape(-1, 3, 3)
 
 
 def screw_line(motion: Float[Array, "6"], shares: Float[Array, "n"]) -> Chain:
@@ -110,16 +124,9 @@ def chain(motions: Float[Array, "n 6"]) -> Chain:
     return Chain(turns, axes, sums @ jnp.sum(axes[:-1] * ways[:, :, None], axis=1))
 
 
-def cross(a: Float[Array, "*#n 3"], b: Float[Array, "*#n 3"]) -> Float[Array, "*#n 3"]:
-    """Return cross products."""
-    columns = [a[..., i] * b[..., j] - a[..., j] * b[..., i] for i, j in ((1, 2), (2, 0), (0, 1))]
-    return jnp.stack(columns, axis=-1)
-
-
 def _bracket(a: Float[Array, "n 6"], b: Float[Array, "n 6"]) -> Float[Array, "n 6"]:
     """Lie bracket of six-vectors, with matrix(a) matrix(b) - matrix(b) matrix(a)."""
-    turns, ways = (a[:, :3], b[:, :3]), (a[:, 3:], b[:, 3:])
-    return jnp.concatenate([cross(*turns), cross(turns[0], ways[1]) + cross(ways[0], turns[1])], axis=1)
+    return _product(a, b, BRACKETS)
 
 
 def screws(strains: Float[Array, "n 3 6"], steps: np.ndarray) -> Float[Array, "n 6"]:

@@ -111,7 +111,7 @@ def hessian_in_stages(
     slopes, of_inner = jax.jacfwd(with_pull)(inner)
     _, (of_outer, of_shape) = _along(gradient, (outer, shape), slopes)
     hessian = jnp.concatenate([slopes.T @ of_shape, of_outer])
-    return hessian.at[: inner.size, : inner.size].add(of_inner)
+    return hessian + jnp.pad(of_inner, (0, outer.size))
 
 
 def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[Array, "s k"]) -> tuple[Any, Any]:

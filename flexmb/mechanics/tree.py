@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..arguments import is_concrete
-from ..compilation.record import Record
+from ..compilation.record import Record, static
 from ..elements.nodes import unit_norm
 from ..math.rigid import compose_turns
 from ..math.rotation import CONJUGATE, cosine_and_sine, rotation_matrix
@@ -33,10 +33,10 @@ class Poses(Record):
         turns: Coordinates of the rotation; (beams, 0) if only positions are asked for.
         whence: Coordinates of the position from which the chain of each beam starts.
         turned_from: Coordinates of the rotation from which it starts.
-        base: Rotation at the start of each beam, as places among all coordinates followed by determined rotations.
         place: Places of all coordinates among themselves, followed by determined rotations and positions.
         along: 1 for beams on the way to each position.
-        before: The beam whose rotation comes one before each, two before, four before, ..; their number for none.
+        before: 1 for the beam whose rotation comes one before each, two before, four before, ..
+        floats: Whether some chain starts from coordinates that move.
         back: Whether a beam starts from its last end; None if none does.
     """
 
@@ -45,10 +45,10 @@ class Poses(Record):
     turns: Int[Array, "beams r"]
     whence: Int[Array, "beams d"]
     turned_from: Int[Array, "beams r"]
-    base: Int[Array, "beams r"]
     place: Int[Array, "n_x"]
     along: Float[Array, "beams beams"]
-    before: Int[Array, "levels beams"]
+    before: Float[Array, "levels beams beams"]
+    floats: bool = static()
     back: Bool[Array, "beams"] | None
 
 
@@ -144,10 +144,10 @@ def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> P
         nodes["turns"],
         whence,
         turned_from,
-        place[nodes["base"]],
         place,
         np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
         _jumps(turned_after),
+        bool(np.isin(np.concatenate([whence, turned_from], axis=1), np.asarray(topology.x.free)).any()),
         np.array([one.back for one in walked]) if any(one.back for one in walked) else None,
     )
 
@@ -240,7 +240,7 @@ def _jumps(before: list[int | None]) -> np.ndarray:
     while np.any(now != none):
         found.append(now[:-1])
         now = now[now]
-    return np.array(found, int).reshape(-1, none)
+    return np.array([np.eye(none + 1)[jump, :none] for jump in found]).reshape(-1, none, none)
 
 
 def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tuple, set[int]]:
@@ -268,7 +268,30 @@ def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) ->
 
 
 def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
-    """Nodal coordinates with computed ones filled in, THEORY.md 9 (d), eq. (9.7).
+    """Nodal coordinates with computed ones filled in; arguments as of :func:`link`."""
+    turns, ends = link(poses, passed, x)
+    # A gather, since the compiler makes a loop of a scatter.
+    return jnp.concatenate([x, turns.reshape(-1), ends.reshape(-1)])[poses.place]
+
+
+def pulled(
+    poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"], force: Float[Array, "n_x"]
+) -> tuple[Float[Array, "beams way_and_turn"], Float[Array, "n_x"]]:
+    """Forces on ways and turns, and on coordinates that are not computed, from nodal forces.
+
+    Computed coordinates are gathered, and roots that stay are left out: the reverse of a gather would be a loop.
+    """
+    ends = force[poses.turns], force[poses.ends]
+    if not poses.floats:
+        return jax.vjp(lambda y: link(poses, y, x), passed)[1](ends)[0], force
+    on_passed, on_x = jax.vjp(lambda y, x: link(poses, y, x), passed, x)[1](ends)
+    return on_passed, force + on_x
+
+
+def link(
+    poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]
+) -> tuple[Float[Array, "beams r"], Float[Array, "beams d"]]:
+    """Rotations and positions that beams determine, THEORY.md 9 (d), eq. (9.7).
 
     ``passed``: way and turn of each beam, or the way alone if no rotation is asked for. Computed ones of x are not
     read.
@@ -281,15 +304,19 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
         back = poses.back[:, None]
         # A beam walked backwards starts at its last end.
         ways, turns = jnp.where(back, -turned(inverse, ways), ways), jnp.where(back, inverse, turns)
-    known = x
-    if turns.shape[1]:
-        none = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0])
+    base = x[poses.turned_from]
+    if poses.before.shape[0]:
+        none, sums = jnp.asarray([1.0, 0, 0, 0] if spatial else [0.0]), turns
+
+        def earlier(before: Float[Array, "beams beams"]):
+            return before @ sums + (1 - jnp.sum(before, axis=1))[:, None] * none
+
         for before in poses.before:
-            turns = compose(jnp.concatenate([turns, none[None]])[before], turns)
-        # A gather, since the compiler makes a loop of a scatter.
-        known = jnp.concatenate([x, compose(x[poses.turned_from], turns).reshape(-1)])
-    ends = x[poses.whence] + poses.along @ turned(known[poses.base], ways)
-    return jnp.concatenate([known, ends.reshape(-1)])[poses.place]
+            sums = compose(earlier(before), sums)
+        base = compose(base, earlier(poses.before[0]))
+    if turns.shape[1]:
+        turns = compose(base, turns)
+    return turns, x[poses.whence] + poses.along @ turned(base, ways)
 
 
 def _turned(turns: Float[Array, "n 4"], vectors: Float[Array, "n 3"]):

@@ -1,5 +1,6 @@
 """Equations of motion in all nodal coordinates, with multipliers, and projection onto the constraints."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -70,6 +71,7 @@ class CoordinatesForm(Record):
         place: Number of each coordinate among these, from 1; 0 for the others.
         sizes: Sizes that make displacements pure numbers: the mechanism's extent, or 1 for rotations.
         held: Indices of the held deformations, FIXED and PRESCRIBED.
+        held_place: Number of each deformation among the multipliers, from 1; 0 for the others.
         mobility: Inverse masses of the coordinates that move, by which drift is shared among them.
         driven: What depends on time.
     """
@@ -85,6 +87,7 @@ class CoordinatesForm(Record):
     place: Int[Array, "n_x"]
     sizes: Float[Array, "n"]
     held: Array
+    held_place: Int[Array, "n_e"]
     mobility: Float[Array, "n"]
     driven: tuple[Driven, ...]
 
@@ -186,7 +189,9 @@ class CoordinatesForm(Record):
                 sigma = sigma + self.S_d @ ed
             if drive.stress is not None:
                 sigma = sigma + drive.stress
-            return put(sigma, self.held, multipliers)
+            # The compiler makes a loop of a scatter, but not of a gather.
+            reactions = jnp.concatenate([jnp.zeros(1), multipliers]).at[self.held_place].get(**TRUSTED)
+            return jnp.where(self.held_place > 0, reactions, sigma)
 
         return stress
 
@@ -197,6 +202,11 @@ class CoordinatesForm(Record):
     def tangents(self, t: Float[Array, ""], e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
         """Derivatives of the stress resultants by deformations and their rates; the latter may be None."""
         return stress_tangents(self.topology, self.parameters, self.drive(t).loads, self.S, self.S_d, e, ed)
+
+    def loose_tangents(self, t: Float[Array, ""], e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
+        """:meth:`tangents`, zero for held deformations, whose multipliers are unknowns."""
+        held = (self.held_place > 0)[:, None]
+        return [None if matrix is None else jnp.where(held, 0.0, matrix) for matrix in self.tangents(t, e, ed)]
 
     def tangents_at(
         self, t: Float[Array, ""], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
@@ -255,16 +265,12 @@ class CoordinatesForm(Record):
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of :meth:`residual`, element by element (THEORY.md 6)."""
-        n, held = self.size, self.held
+        n = self.size
         top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
         moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         stress = self.stress_of(t, z[n:])
-
-        def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            # Multipliers are unknowns: the stiffness of held deformations must not act.
-            return [None if matrix is None else put(matrix, held, 0.0) for matrix in self.tangents(t, e, ed)]
-
+        following = functools.partial(self.loose_tangents, t)
         by_x = force_derivatives(self.elements, moving, self.falling, stress, following)
         drive = self.drive(t)
         k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
@@ -399,18 +405,22 @@ def onto_constraints(
     return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
-def places_of(topology: Topology, free: Array) -> Int[Array, "n_x"]:
-    """Number of each coordinate among the free ones, from 1; 0 for the others."""
-    return put(jnp.zeros(topology.n_x, int), free, jnp.arange(1, free.shape[0] + 1))
+def places_of(size: int, chosen: Array) -> Int[Array, "size"]:
+    """Number of each of many things among the chosen ones, from 1; 0 for the others."""
+    return put(jnp.zeros(size, int), chosen, jnp.arange(1, chosen.shape[0] + 1))
 
 
-def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = ()) -> CoordinatesForm:
-    """Equations of motion of a model in all its coordinates."""
+def coordinates_form(
+    topology: Topology, parameters: Parameters, driven: tuple[Driven, ...] = (), *, whole: bool = True
+) -> CoordinatesForm:
+    """Equations of motion of a model in all its coordinates; unless `whole`, without elements and mobility."""
     gravity = parameters.loads.gravity
     damped = any("damping" in block.companions for block in topology.blocks)
     free = topology.x.free
-    elements = prepared_blocks(topology, parameters)
-    mass = heaviness(elements, parameters.reference, zero_near(topology))[free]
+    elements, mass = (), jnp.ones(free.shape[0])
+    if whole:
+        elements = prepared_blocks(topology, parameters)
+        mass = heaviness(elements, parameters.reference, zero_near(topology))[free]
     sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
     mass = jax.lax.stop_gradient(mass) * sizes**2
     return CoordinatesForm(
@@ -422,9 +432,10 @@ def coordinates_form(topology: Topology, parameters: Parameters, driven: tuple[D
         gravity,
         None if gravity is None else uniform_motion(topology, gravity),
         free,
-        places_of(topology, free),
+        places_of(topology.n_x, free),
         sizes,
         topology.e.held,
+        places_of(topology.n_e, topology.e.held),
         1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
         driven,
     )

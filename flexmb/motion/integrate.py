@@ -149,11 +149,13 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
         # Its solver uses element matrices, no dense tangent.
         chain: Any = chain_form(problem.model, problem.driven, problem.order)
         return chain
-    mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
+    tree = problem.tree if form == "tree" else None
+    whole = tree is None or tree.held_places.shape[0] > 0
+    mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven, whole=whole)
     if form == "reduced":
         return reduced_form(mechanism)
-    if form == "tree" and problem.tree is not None:
-        return tree_form(mechanism, problem.tree)
+    if tree is not None:
+        return tree_form(mechanism, tree)
     if isinstance(problem.feedback, Feedback):
         return controlled_form(problem.model, mechanism, problem.feedback, problem.measured_from)
     return mechanism

@@ -211,9 +211,10 @@ class TreeBeams(Record):
             by_x = by_x + more
         c = self.ends.shape[1]
         if self.e.shape[1]:
-            by_x = by_x.at[:, c:, c:].add(own_of(self.e, stiffness))
+            beside = ((0, 0), (c, 0), (c, 0))
+            by_x = by_x + jnp.pad(own_of(self.e, stiffness), beside)
             if damping is not None:
-                by_v = by_v.at[:, c:, c:].add(own_of(self.e, damping))
+                by_v = by_v + jnp.pad(own_of(self.e, damping), beside)
         return by_x, by_v, by_a
 
     def _derived_forces(

@@ -11,11 +11,10 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
-from ..math.indices import accumulate, put
-from ..mechanics.blocks import scatter_vector, scatter_vectors
+from ..math.indices import TRUSTED, accumulate, put
 from ..mechanics.deformation import zero_near
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.tree import Tree, linked, some_of
+from ..mechanics.tree import Tree, linked, pulled, some_of
 from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, places_of, solved_twice
 from .element_forces import (
     Kinematics,
@@ -66,12 +65,16 @@ class TreeForm(Record):
         form: Equations in all coordinates, but only coordinates that are not computed move, and without ``beams``.
         tree: Computed coordinates.
         beams: Beams that compute them.
+        strain_of: Coordinate that each deformation equals, or their number.
+        slots: Of each block of beams, the place of each moving coordinate among its coefficients, or their number.
         mobility: Inverse masses of what moves.
     """
 
     form: CoordinatesForm
     tree: Tree
     beams: tuple[TreeBeams, ...]
+    strain_of: Int[Array, "n_e"]
+    slots: tuple[Int[Array, "n"], ...]
     mobility: Float[Array, "n"]
 
     @property
@@ -118,9 +121,7 @@ class TreeForm(Record):
     @property
     def selection(self) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves, if nothing is computed."""
-        return (
-            jnp.zeros((self.form.topology.n_x, self.size)).at[self.form.free, np.arange(self.size)].set(self.form.sizes)
-        )
+        return jnp.where(self.form.place[:, None] == np.arange(1, self.size + 1), self.form.sizes, 0.0)
 
     def _with_ends(self, at: AllCoordinates, bent: list[tuple[Bent, Bent, Bent]]) -> AllCoordinates:
         """Coordinates and their rates, with computed ones that something depends on."""
@@ -168,12 +169,12 @@ class TreeForm(Record):
         poses: Any = self.tree.felt
         selected, x = self.selection, to.at.x
 
-        def pulled(x: Float[Array, "n_x"], y: Float[Array, "beams k"]):
-            return jax.vjp(lambda x, y: linked(poses, y, x), x, y)[1](force)
+        def along(*way: Array):
+            return jax.jvp(lambda x, y: pulled(poses, y, x, force), (x, to.ways), way)
 
-        y: Any = to.ways
-        of_x, of_y = jax.vmap(lambda *way: jax.jvp(pulled, (x, y), way)[1], (1, 2), (1, 2))(selected, to.passed)
-        return pulled(x, y)[1], selected.T @ of_x + jnp.einsum("byn,bym->nm", to.passed, of_y)
+        passed: Any = to.passed
+        (on_ways, _), (of_y, of_x) = jax.vmap(along, (1, 2), (None, (2, 1)))(selected, passed)
+        return on_ways, selected.T @ of_x + jnp.einsum("byn,bym->nm", passed, of_y)
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
@@ -188,11 +189,6 @@ class TreeForm(Record):
             near = self.strained(x, zero_near(self.form.topology))
         return WholeMotion(x, v, near, jnp.zeros(0))
 
-    def stress_of(self, t: Float[Array, ""], multipliers: Float[Array, "m"]):
-        """:meth:`CoordinatesForm.stress_of` with the multipliers of this form."""
-        every = jnp.zeros(self.form.held.shape[0])
-        return self.form.stress_of(t, put(every, self.tree.held_places, multipliers))
-
     def held(self, rows: Float[Array, "n_e *k"]):
         """Rows of the held deformations with multipliers."""
         return rows[self.form.held[self.tree.held_places]]
@@ -203,21 +199,17 @@ class TreeForm(Record):
 
     def _strains(self, at: AllCoordinates) -> Kinematics:
         """Deformations of the beams, which are their coefficients, and rates; zero for others."""
-        pieces = [(b.e, (at.x[b.c], at.v[b.c], at.a[b.c])) for b in self.beams if b.e.shape[1]]
-        return Kinematics(*scatter_vectors(self.form.topology.n_e, pieces, 3))
+        rates = jnp.pad(jnp.stack([at.x, at.v, at.a], axis=1), ((0, 1), (0, 0)))
+        return Kinematics(*rates.at[self.strain_of].get(**TRUSTED).T)
 
     def strained(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
         """Deformations except closures."""
-        pieces = [(beams.e, x[beams.c]) for beams in self.beams if beams.e.shape[1]]
-        return strained(self.form.elements, x, near) + scatter_vector(near.shape[0], pieces)
+        return strained(self.form.elements, x, near) + jnp.append(x, 0.0).at[self.strain_of].get(**TRUSTED)
 
     def deformed(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
         """:meth:`strained`, and the derivatives by the nodal coordinates."""
         jacobian = deformed(self.form.elements, x, near)[1]
-        for beams in self.beams:
-            if beams.e.shape[1]:
-                jacobian = jacobian.at[beams.e, beams.c].set(1.0)
-        return self.strained(x, near), jacobian
+        return self.strained(x, near), jacobian + (self.strain_of[:, None] == np.arange(x.shape[0])).astype(float)
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance along what moves and second rates of held deformations (THEORY.md 9 (d), eq. (9.8))."""
@@ -225,31 +217,34 @@ class TreeForm(Record):
         at = form.whole(t, state.u, state.w, z[:n])
         bent = [beams.rates(at) for beams in self.beams]
         at = self._with_ends(at, bent)
-        strain, stress = self._strains(at), self.stress_of(t, z[n:])
+        strain, stress = self._strains(at), form.stress_of(t, z[n:])
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
         acting = acting_forces(form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)))
-        pulled = []
+        on_beams = []
         for beams, functions in zip(self.beams, bent, strict=True):
             weights = None if beams.mass is None else beams.weights(beams.moved(at, form.falling, functions))
-            pulled.append(beams.pulled(at.x, functions[0], weights))
-        on_ends = [(beams.ends, force) for beams, (force, _) in zip(self.beams, pulled, strict=True)]
+            on_beams.append(beams.pulled(at.x, functions[0], weights))
+        on_ends = [(beams.ends, force) for beams, (force, _) in zip(self.beams, on_beams, strict=True)]
         force = acting.force + self._besides(t, at, on_ends)
         ways: list[tuple[Array, ...]] = [()] * len(self.beams)
         if self.tree.felt is not None:
-            poses, values = self.tree.felt, _ways(bent)[0]
-            force, on_ways = jax.vjp(lambda x, y: linked(poses, y, x), at.x, values)[1](force)
+            on_ways, force = pulled(self.tree.felt, _ways(bent)[0], at.x, force)
             ways = self._apart(on_ways)
-        for beams, way, (_, shape) in zip(self.beams, ways, pulled, strict=True):
+        force = force[form.free]
+        for beams, way, (_, shape), slots in zip(self.beams, ways, on_beams, self.slots, strict=True):
             along = beams.pulled_along(at.x, Bent(way, shape))
             if beams.e.shape[1]:
                 along = along + acting.sigma[beams.e]
-            force = accumulate(force, beams.c, along)
+            force = force + jnp.append(along, 0.0).at[slots].get(**TRUSTED)
         edd = acting.kinematics.edd + strain.edd
-        return jnp.concatenate([force[form.free] * form.sizes, self.held(edd) - self.wanted(at.edd)])
+        return jnp.concatenate([force * form.sizes, self.held(edd) - self.wanted(at.edd)])
 
     def _besides(self, t: Float[Array, ""], at: AllCoordinates, on_ends: list[tuple[Array, Array]]):
         """Nodal forces of beams on their first ends, minus applied forces."""
-        return scatter_vector(self.form.topology.n_x, on_ends) - self.form.applied(t, at.x)
+        places = np.arange(self.form.topology.n_x)[:, None]
+        # Products, since the compiler makes a loop of a scatter.
+        forces = [(places == ends.reshape(-1)).astype(float) @ force.reshape(-1) for ends, force in on_ends]
+        return sum(forces, -self.form.applied(t, at.x))
 
     def _apart(self, rows: Float[Array, "beams k"]) -> list[tuple[Array, ...]]:
         """Rows of ways and turns of each block's beams, as in :class:`Bent`."""
@@ -273,11 +268,10 @@ class TreeForm(Record):
         to = self.carried(t, state.u, state.w, z[:n])
         at = to.at
         moving = Moving(at.x, at.v, at.a, form.near(state.memory))
-        strain, stress = self._strains(at), self.stress_of(t, z[n:])
+        strain, stress = self._strains(at), form.stress_of(t, z[n:])
 
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            tangents = form.tangents(t, strain.e + e, strain.ed + ed)
-            return [None if matrix is None else put(matrix, form.held, 0.0) for matrix in tangents]
+            return form.loose_tangents(t, strain.e + e, strain.ed + ed)
 
         acting, pieces = element_derivatives(
             form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)), following
@@ -299,7 +293,7 @@ class TreeForm(Record):
             ]
             force = acting.force + self._besides(t, at, on_ends)
             on_ways, bending = self.turned(to, force)
-            ways, every = self._apart(on_ways), every.at[:, :n].add(bending)
+            ways, every = self._apart(on_ways), every + jnp.pad(bending, ((0, 0), (0, 2 * n)))
         tangents: Any = following(acting.kinematics.e, acting.kinematics.ed)
         for beams, way, weight, derived in zip(self.beams, ways, weights, moved, strict=True):
             squares = beams.derivatives(at.x, weight, way, None if derived is None else derived[1], *tangents)
@@ -427,11 +421,21 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
         form,
         elements=tuple(block for block in elements if block is not None),
         free=tree.kept,
-        place=places_of(top, tree.kept),
+        place=places_of(top.n_x, tree.kept),
+        held_place=places_of(top.n_e, form.held[tree.held_places]),
         sizes=form.sizes[tree.kept_places],
         mobility=form.mobility[tree.kept_places],
     )
-    in_tree = TreeForm(kept, tree, tree_beams(top, parameters, tree), kept.mobility)
+    beams = tree_beams(top, parameters, tree)
+    strain_of = jnp.full(top.n_e, top.n_x)
+    for block in beams:
+        strain_of = put(strain_of, block.e, block.c) if block.e.shape[1] else strain_of
+    slots = []
+    for block in beams:
+        # Place zero belongs to coefficients that do not move.
+        slot = jnp.full(tree.kept.shape[0] + 1, block.c.size).at[kept.place[block.c.reshape(-1)]]
+        slots.append(slot.set(np.arange(block.c.size), **TRUSTED)[1:])
+    in_tree = TreeForm(kept, tree, beams, strain_of, tuple(slots), kept.mobility)
     return dataclasses.replace(in_tree, mobility=_mobility(in_tree, form)) if tree.held_places.shape[0] else in_tree
 
 
