@@ -5,10 +5,10 @@
 slower.
 
 Each runs in a process of its own, one after the other but for those that measure their own time of the processor alone,
-which run on all cores, and writes its results, with versions and processor, to benchmarks/results. Exudyn and PyNite
-take part where they are installed (``pip install -e '.[peers]'``). What each took is printed in the end and written to
-results/whole.json: seconds, and those of the processor, which other work on the machine changes less; and those of all
-scripts in one run, by the clock.
+which run on all cores, and writes its results, with versions and processor, to benchmarks/results. Exudyn, PyNite and
+SoRoMoX take part where they are installed (``pip install -e '.[peers]'``). What each took is printed in the end and
+written to results/whole.json: seconds, and those of the processor, which other work on the machine changes less; and
+those of all scripts in one run, by the clock.
 """
 
 import datetime
@@ -46,6 +46,7 @@ SCRIPTS = (
     "chains",
     "nets",
     "motion",
+    "peers",
     "stability",
 )
 # These measure nothing, or the processor's time of their own process in calls of ten milliseconds and more, which

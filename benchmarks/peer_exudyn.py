@@ -1,4 +1,4 @@
-"""The guide of large_deflection.py in Exudyn, with its geometrically exact beam; needs the extra ``peers``."""
+"""Scenes of the benchmarks in Exudyn, such as the guide of large_deflection.py; needs the extra ``peers``."""
 
 import importlib.util
 import itertools
@@ -343,6 +343,46 @@ def cantilever(length, bending, stretching, load, elements: int) -> Callable[[],
     best = min(good, key=lambda entry: entry[0])[2]
     best.built = container, system  # type: ignore[attr-defined]
     return best
+
+
+def soft_rod(scene, elements: int) -> Callable[[], Any]:
+    """A function that bends the rod of peers.py in space by its weight, and gives the place of the tip.
+
+    Args:
+        scene: As ``peers.SCENE``.
+        elements: Geometrically exact beams.
+    """
+    import numpy as np
+    from exudyn import itemInterface as item
+
+    exudyn, own = _exudyn(), scene.length / elements
+    section = exudyn.BeamSection()
+    fields = ("EA", "GAy", "GAz", "GIt", "EIy", "EIz")
+    section.stiffnessMatrix = np.diag([getattr(scene.stiffness, name) for name in fields])
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    nodes = [
+        system.AddNode(item.NodeRigidBodyRotVecLG(referenceCoordinates=[own * i, 0.0, 0.0, 0.0, 0.0, 0.0]))
+        for i in range(elements + 1)
+    ]
+    for ends in itertools.pairwise(nodes):
+        system.AddObject(item.ObjectBeamGeometricallyExact(nodeNumbers=list(ends), length=own, sectionData=section))
+    markers = [system.AddMarker(item.MarkerNodeRigid(nodeNumber=node)) for node in nodes]
+    place = system.AddMarker(item.MarkerBodyRigid(bodyNumber=system.AddObject(item.ObjectGround())))
+    system.AddObject(item.GenericJoint(markerNumbers=[place, markers[0]], constrainedAxes=[1] * 6))
+    for marker, share in zip(markers, [0.5, *[1.0] * (elements - 1), 0.5], strict=True):
+        weight = [share * own * scene.inertia.mass * number for number in scene.gravity]
+        system.AddLoad(item.LoadForceVector(markerNumber=marker, loadVector=weight))
+    system.Assemble()
+    chosen = settings(SOLVERS[1], 4, 1e-8)
+
+    def solve():
+        if not system.SolveStatic(chosen, storeSolver=False, showCausingItems=False):
+            raise RuntimeError("not converged")
+        return system.GetNodeOutput(nodes[-1], exudyn.OutputVariableType.Position)
+
+    solve.built = container, system  # type: ignore[attr-defined]
+    return solve
 
 
 def pendulum(
