@@ -56,7 +56,7 @@ class Margins:
         input: Input at which the loop is opened.
         gain: Factor on the gain that makes the loop unstable; of several, the one nearest to 1, above or below [-].
         gain_hertz: Frequency of this instability [Hz]; infinite for a direct feedthrough.
-        phase: Phase that the loop may lose at the crossover [degrees].
+        phase: Phase that the loop may lose at the crossover, negative if it may gain this phase [degrees].
         crossover: Frequency at which the gain of the open loop is one [Hz].
         modulus: Smallest distance of the open loop from -1 [-].
         modulus_hertz: Frequency of this smallest distance [Hz].

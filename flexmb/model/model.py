@@ -312,7 +312,7 @@ class Model(Result, Record):
         """Table of every coordinate and deformation with its role."""
         lines = [f"NDOF = NX - NXO - NEO = {'{nx} - {nxo} - {neo} = {ndof}'.format(**self.counts())}"]
         x_roles, e_roles = self.roles()
-        lines.append(f"degrees of freedom named: {self.topology.n_q}")
+        lines.append(f"degrees of freedom: {self.topology.n_q}")
         for title, entries, roles in (("node", self.labels.x, x_roles), ("element", self.labels.e, e_roles)):
             own = [pair for pair in zip(entries, roles, strict=True) if pair[0].kind != "norm"]
             grouped: dict[str, list[str]] = {}
