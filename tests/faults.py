@@ -2468,8 +2468,8 @@ FAULTS = [
     ),
     Fault(
         "build/ends_in_line.py",
-        "if least < 0:",
-        "if least < -9:",
+        "length)) < 0:",
+        "length)) < -9:",
         "elements/test_leaf_ends.py -k too_short",
         slow=True,
     ),
