@@ -8,6 +8,7 @@ resultants at the end are fitted to the strains of this zone, which has no loads
 from collections.abc import Sequence
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -25,6 +26,8 @@ FIELDS = ("EA", "GAy", "GAz", "GIt", "EIy", "EIz")
 TURNED = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
 # Motions in the plane by the six motions: along, to the left, and minus the rotation about the section's y axis.
 IN_PLANE = np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, 0, 0, -1, 0]])
+# Places of both ends.
+ENDS = np.array([0.0, 1.0])
 # Order of a screw motion: rotation first.
 SCREW = np.eye(6)[[3, 4, 5, 0, 1, 2]]
 # Length of the zone of an end: ZONE times the width, but at most HALF of the length of the leaf spring.
@@ -52,9 +55,8 @@ SKEW = {
     (1, 5): (2, "EIz", EVEN, ((-0.0198, 0.0419, -0.0093), (-0.0153, 0.0053, 0), (0.0175, -0.0075, 0))),
     (5, 5): (1, "EIz", EVEN, ((-0.2705, 0.0604, -0.0120), (0.0153, -0.0053, 0), (0.0275, -0.0375, 0))),
 }
-# Coefficients, (terms, powers of nu - 0.3, powers of tan(angle)), and the powers of tan(angle), (terms, 3).
-COEFFICIENTS = np.array([row[3] for row in SKEW.values()])
-POWERS = np.array([row[2] for row in SKEW.values()])
+# Coefficients, (terms, powers of nu - 0.3 from 0, powers of tan(angle) from 1).
+COEFFICIENTS = np.stack([np.array(row[3]) @ np.eye(6)[np.array(row[2]) - 1] for row in SKEW.values()])
 # Terms of a step in width by row and column: power n and rigidity of the unit w^n/rigidity.
 STEP = {
     (0, 0): (1, "EA"),
@@ -110,22 +112,23 @@ def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
         THEORY.md 2, eq. (2.48): fits to solid elements for angles up to 50 degrees and nu from 0.2 to 0.4.
     """
     slope, change = jnp.tan(jnp.asarray(angle, float)), rectangle.material.poisson() - USUAL
-    by_nu = jnp.einsum("n,tnp->tp", jnp.stack([1.0 + 0 * change, change, change**2]), COEFFICIENTS)
-    powers = jnp.cumprod(jnp.broadcast_to(slope, (6,)))[POWERS - 1]
-    return _placed(SKEW, jnp.sum(by_nu * powers, axis=1), rectangle)
+    square = slope * slope
+    odd = jnp.stack([slope, slope * square, slope * square**2])
+    powers = jnp.stack([odd, slope * odd], axis=1).reshape(6)
+    by_nu = COEFFICIENTS[:, 0] + change * COEFFICIENTS[:, 1] + change**2 * COEFFICIENTS[:, 2]
+    return _placed(SKEW, by_nu @ powers, rectangle)
 
 
 def _placed(terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
     """Symmetric matrix whose entries are numbers, (terms,), times the unit w^n/rigidity of each term."""
-    of, width = rectangle.rigidity(), jnp.asarray(rectangle.width, float)
-    kinds = ("EA", "GIt", "EIy", "EIz")
-    softness = 1 / jnp.stack([jnp.asarray(getattr(of, kind), float) for kind in kinds])
-    units = jnp.cumprod(jnp.broadcast_to(width, (3,)))[np.array([row[0] - 1 for row in terms.values()])]
-    units = units * softness[np.array([kinds.index(row[1]) for row in terms.values()])]
+    of, width = rectangle.rigidity(), rectangle.width
+    kinds = list(dict.fromkeys(row[:2] for row in terms.values()))
+    units = jnp.stack([jnp.asarray(width**power / getattr(of, kind), float) for power, kind in kinds])
     spots = np.zeros((len(terms), 6, 6))
     for k, (i, j) in enumerate(terms):
         spots[k, i, j] = spots[k, j, i] = 1.0
-    return jnp.tensordot(numbers * units, spots, 1)
+    chosen = np.eye(len(kinds))[[kinds.index(row[:2]) for row in terms.values()]]
+    return jnp.tensordot(numbers * (chosen @ units), spots, 1)
 
 
 def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
@@ -183,19 +186,24 @@ def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6
         Factor on the length of the zone, and the compliances of both ends. Cuts and steps come first, then roots. An
         absent kind has no entry.
     """
-    shapes, roots = [], []
-    for end, place in enumerate((0.0, 1.0)):
-        rectangle, own = leaf.rectangle(place, length), jnp.zeros((6, 6))
-        turned = np.outer(TURNED, TURNED) if end else np.ones((6, 6))
-        if leaf.ends.skew is not None:
-            own = own + turned * skew_compliance(leaf.ends.skew[end], rectangle)
-        if leaf.ends.beside is not None:
-            own = own + turned * step_compliance(leaf.ends.beside[0, end], leaf.ends.beside[1, end], rectangle)
-        shapes.append(own)
-        root = None if leaf.ends.clamp is None else leaf.ends.clamp[end]
-        roots.append(jnp.zeros((6, 6)) if root is None else root_compliance(root))
-    found = [] if leaf.ends.skew is None and leaf.ends.beside is None else [(1.0, jnp.stack(shapes))]
-    return found if leaf.ends.clamp is None else [*found, (AT_ROOT, jnp.stack(roots))]
+    skew, clamp, beside = leaf.ends.skew, leaf.ends.clamp, leaf.ends.beside
+
+    def shape(place: Any, turned: Any, angle: Any, sizes: Any):
+        rectangle, own = leaf.rectangle(place, length), 0.0
+        if skew is not None:
+            own = own + skew_compliance(angle, rectangle)
+        if beside is not None:
+            own = own + step_compliance(sizes[0], sizes[1], rectangle)
+        return turned * own
+
+    found = []
+    if skew is not None or beside is not None:
+        turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
+        found.append((1.0, jax.vmap(shape)(ENDS, turned, skew, None if beside is None else beside.T)))
+    if clamp is not None:
+        roots = [jnp.zeros((6, 6)) if root is None else root_compliance(root) for root in clamp]
+        found.append((AT_ROOT, jnp.stack(roots)))
+    return found
 
 
 def _rigidities(leaf: Any, length: Any, names: Sequence[str]) -> dict[str, Any]:
@@ -231,28 +239,32 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
     nodes, weights = gauss(order // 2 + 2)
     tests = np.stack([weights, weights * nodes])
     none, spots = jnp.zeros((len(names), order)), np.eye(len(names))[:, :, None]
-    found = []
-    for end, place in enumerate((0.0, 1.0)):
+    torque = _torque(leaf, order, length) if "GIt" in names else none
+
+    def at_end(place: Any, turned: Any, alternating: Any):
         zone = share * jnp.minimum(ZONE * leaf.rectangle(place, length).width, HALF * length)
-        shapes = legendre_values_at(order, zone / length * nodes) * (-1.0) ** (end * np.arange(order))
+        shapes = legendre_values_at(order, zone / length * nodes) * alternating
         mean, first = tests @ shapes
         placed = {name: stiff[name] * spots[i] for i, name in enumerate(names)}
         rows = {name: placed[name] * mean if name in names else none for name in FIELDS}
         if "GIt" in names:
-            rows["GIt"] = placed["GIt"] * _torque(leaf, order, length)
+            rows["GIt"] = placed["GIt"] * torque
         for bend, shear, sign in (("EIy", "GAz", 1.0), ("EIz", "GAy", -1.0)):
             if bend not in names:
                 continue
             # The distance from an end grows along the leaf spring at the first end, and against it at the last.
-            sign, ratio, moment = sign * (1 - 2 * end), 0.0, placed[bend] * mean
+            sign, ratio, moment = sign * turned, 0.0, placed[bend] * mean
             slope = sign * placed[bend] * first
             if shear in names:
                 ratio = jnp.abs(stiff[bend]) / (stiff[shear] * zone**2)
                 slope = slope + ratio * zone * placed[shear] * mean
             rows[shear] = (slope - sign / 2 * moment) / ((1 / 12 + ratio) * zone)
             rows[bend] = ((1 / 3 + ratio) * moment - sign / 2 * slope) / (1 / 12 + ratio)
-        found.append(jnp.stack([rows[name].reshape(-1) for name in FIELDS]))
-    return jnp.pad(jnp.stack(found), ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
+        return jnp.stack([rows[name].reshape(-1) for name in FIELDS])
+
+    signs = np.array([1.0, -1.0])
+    found = jax.vmap(at_end)(ENDS, signs, signs[:, None] ** np.arange(order))
+    return jnp.pad(found, ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
 
 
 def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"]:
