@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import solid_shapes as shapes
 from solid_beams import ACROSS, Leaf, along, cantilever, fold, guided_leaf, rigid, tip_of
-from solid_cases import THICKNESS
+from solid_cases import THICKNESS, millimetres
 
 import flexmb as fm
 from flexmb import spatial
@@ -32,10 +32,37 @@ def tapered(sizes) -> Callable:
     return plain((length, lambda place: foot + (tip - foot) * place, THICKNESS))
 
 
-def waisted(kind):
-    """Strip whose width narrows to its middle."""
-    length, wide, narrow = shapes.WAIST
-    return plain((length, lambda place: wide + (narrow - wide) * jnp.sin(jnp.pi * place) ** 2, THICKNESS))(kind)
+def waist() -> Leaf:
+    """Leaf spring whose width narrows to its middle."""
+    _, wide, narrow = shapes.WAIST
+    return Leaf(lambda place: wide + (narrow - wide) * jnp.sin(jnp.pi * place) ** 2)
+
+
+def guided(leaf: Leaf, length: float, strokes, cut: float | None = None, at_rest: bool = False) -> Callable:
+    """Strip whose tip is moved along z without turning; its foot is cut at an angle.
+
+    Args:
+        leaf: Strip.
+        length: [m].
+        strokes: Of the tip [m].
+        cut: Angle of the cut of the foot [rad].
+        at_rest: Whether the stiffnesses at rest are wanted too.
+    """
+    own = {} if cut is None else {"skew": (cut, 0.0)}
+
+    def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+        return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS, **own)]
+
+    def ask():
+        rest = tip_of(cantilever(whole, leaf, tip=length)[0])() if at_rest else {}
+        found = {f"0 mm, {k}": v for k, v in rest.items()}
+        for stroke in strokes:
+            state, about = moved(cantilever(whole, leaf, free=True, tip=length)[0], "z", stroke), millimetres(stroke)
+            found[f"{about}, force of the drive"] = force_of(state, 2)
+            found |= along(fm.compliance(state, "tip"), f"{about}, ", ("x", "y"))
+        return found
+
+    return lambda kind: ask
 
 
 def curved(chord: float, leaf: Leaf, curvature: tuple[float, float, float]) -> Callable:
@@ -173,7 +200,7 @@ CASES: dict[str, Callable] = {
     "thick leaf spring": plain(shapes.THICK),
     "trapezoid": tapered(shapes.TRAPEZOID),
     "triangle": tapered(shapes.TRIANGLE),
-    "waist": waisted,
+    "waist": lambda kind: tip_of(cantilever(kind, waist(), tip=shapes.WAIST[0])[0]),
     "steps in width": in_line(
         (shapes.STEPS[0],) * 3, [Leaf(shapes.STEPS[1]), Leaf(shapes.STEPS[2]), Leaf(shapes.STEPS[1])]
     ),
@@ -193,4 +220,15 @@ CASES: dict[str, Callable] = {
     },
     "wide fold": lambda kind: fold(kind, shapes.FOLDED, shapes.FOLD_STROKES),
     "guided leaf spring 50 mm wide, far": lambda kind: guided_leaf(kind, shapes.GUIDED_STROKES),
+    "trapezoid, foot cut at 30 degrees": guided(
+        Leaf(lambda place: shapes.TRAPEZOID[1] + (shapes.TRAPEZOID[2] - shapes.TRAPEZOID[1]) * place),
+        shapes.TRAPEZOID[0],
+        shapes.TENTH,
+        shapes.CUT,
+        at_rest=True,
+    ),
+    "waist at a stroke": guided(waist(), shapes.WAIST[0], shapes.TENTH),
+    "skew 30 degrees, foot alone, at strokes": guided(
+        Leaf(shapes.SKEW[1]), shapes.SKEW[0], shapes.SKEW_STROKES, shapes.CUT
+    ),
 }

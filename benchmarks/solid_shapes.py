@@ -28,6 +28,8 @@ GUIDED, GUIDED_STROKES = (0.1, 0.05, 0.0005), (0.010, 0.020)
 TRAPEZOID, TRIANGLE, WAIST = (0.080, 0.030, 0.012), (0.080, 0.040, 0.004), (0.080, 0.030, 0.012)
 TWISTED, TWIST = (0.1, 0.018, 0.0005), np.radians(30)
 SKEW, SKEWNESS = (0.1, 0.030, 0.0005), np.radians((15, 30, 45))
+# Cut of the foot of the trapezoid, and strokes of leaf springs of other shapes than a plain strip.
+CUT, TENTH, SKEW_STROKES = np.radians(30), (0.008,), (0.005, 0.010)
 # Arc: radius, angle, width, thickness. Arch: span, height, width, thickness.
 ARC, ARC_STROKES = (0.060, np.radians(90), 0.020, 0.0004), {"apart": (0.0045,), "together": (0.0045, 0.009)}
 ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005)
@@ -108,8 +110,29 @@ def waist(place, sizes=WAIST):
 
 def waisted(fine: Fineness):
     """Strip whose width narrows to its middle as a cosine."""
-    length, wide, _ = WAIST
-    return plain(fine, (length, wide, THICKNESS), lambda x, y, z: (x, y * waist(x / length) / wide, z))
+    return plain(fine, (*WAIST[:2], THICKNESS), narrowed)
+
+
+def narrowed(x, y, z):
+    """Where the points of the waisted leaf spring lie."""
+    return x, y * waist(x / WAIST[0]) / WAIST[1], z
+
+
+def cut(x, y, z):
+    """Where the points of a trapezoid lie whose foot is cut at an angle; its edges stay those of the trapezoid."""
+    length, foot, tip = TRAPEZOID
+    slope, share = (tip - foot) / length, 2 * y / foot
+    start = np.tan(CUT) * share * foot / 2 / (1 - np.tan(CUT) * share * slope / 2)
+    at = start + x / length * (length - start)
+    return at, share * (foot + slope * at) / 2, z
+
+
+def cut_trapezoid(rest: Fineness, fine: Fineness):
+    """Trapezoid whose foot is cut at an angle, at rest and with its tip moved along z."""
+    sizes = (*TRAPEZOID[:2], THICKNESS)
+    found, first = plain(rest, sizes, cut)
+    here, second = guided(fine, sizes, TENTH, place=cut)
+    return {f"0 mm, {k}": v for k, v in found.items()} | here, first + second
 
 
 def twisted(fine: Fineness):
@@ -124,12 +147,16 @@ def twisted(fine: Fineness):
 
 def skew(fine: Fineness, foot: float, tip: float, sizes=SKEW, material=MATERIAL):
     """Strip whose ends are cut at angles; its middle line keeps its length."""
-    length = sizes[0]
+    return plain(fine, sizes, skewed(foot, tip, sizes[0]), material=material)
+
+
+def skewed(foot: float, tip: float, length: float) -> Callable:
+    """Where the points of a strip lie whose ends are cut at angles."""
 
     def place(x, y, z):
         return x + y * (np.tan(foot) * (1 - x / length) + np.tan(tip) * x / length), y, z
 
-    return plain(fine, sizes, place, material=material)
+    return place
 
 
 def arc(chord: bool) -> Callable:
@@ -264,10 +291,10 @@ def stiffened(fine: Fineness, thick: float, sizes=STIFFENED):
     return at_rest(fine, build, (sum(lengths), 0, 0))
 
 
-def guided(fine: Fineness, sizes, strokes, axes=("x", "y"), small=SMALL):
+def guided(fine: Fineness, sizes, strokes, axes=("x", "y"), small=SMALL, place: Callable | None = None):
     """Clamped strip whose tip is moved along z, its rotations held."""
     mesh = Mesh()
-    strip(mesh, fine, *sizes)
+    strip(mesh, fine, *sizes, place)
     body = mesh.make_rigid("TIP", (sizes[0], 0.0, 0.0))
     held = [(body[1], d, 0.0) for d in (1, 2, 3)]
     found, done = about(mesh, body, (body[0], 3), strokes, axes, millimetres, held=held, small=small)
@@ -327,4 +354,9 @@ SHAPES: dict[str, Callable] = {
     **_angles(True, False),
     "wide fold": lambda mesh: folded(MESHES[mesh], AT_STROKE[mesh]),
     "guided leaf spring 50 mm wide, far": lambda mesh: guided(AT_STROKE[mesh], GUIDED, GUIDED_STROKES),
+    "trapezoid, foot cut at 30 degrees": lambda mesh: cut_trapezoid(MESHES[mesh], AT_STROKE[mesh]),
+    "waist at a stroke": lambda mesh: guided(AT_STROKE[mesh], (*WAIST[:2], THICKNESS), TENTH, place=narrowed),
+    "skew 30 degrees, foot alone, at strokes": lambda mesh: guided(
+        AT_STROKE[mesh], SKEW, SKEW_STROKES, place=skewed(CUT, 0.0, SKEW[0])
+    ),
 }

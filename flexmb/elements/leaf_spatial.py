@@ -176,8 +176,8 @@ shear.
 Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; y (vector that fixes local y,
 along the width); clamped, whether the first end and the last are clamped, such as (True, False), instead of the ends
 that flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight
-cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic roots along and about local
-x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
+cuts [rad], positive if the edge at +y lies further along x; for small displacements); clamp (stiffnesses of elastic
+roots along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
 Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
 high with 5 and within 0.5 % with 6.
 The stress includes the bimoment of restrained warping, the stress across the width near clamps, and the effects of

@@ -127,6 +127,7 @@ def test_derivatives_by_skew_angles():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
 def test_a_guided_skew_leaf_spring_at_a_stroke():
     """The force of the drive is the integral of its stiffness, which vibrations have too; nothing is unstable."""
 
@@ -475,6 +476,14 @@ def skewed(length, degrees, section=WIDE, order=2) -> fm.Builder:
 def test_a_skew_cut_out_of_range_warns(length, degrees, message):
     with pytest.warns(fm.BeamTheoryWarning, match=message):
         skewed(length, degrees).build()
+
+
+@pytest.mark.slow
+def test_a_skew_cut_at_a_stroke_warns():
+    b = skewed(0.1, 20)
+    b.prescribe("tip", "z", 0.01)
+    with pytest.warns(fm.BeamTheoryWarning, match="a skew cut at a prescribed stroke of 0.1 of its length"):
+        b.build()
 
 
 @pytest.mark.slow
