@@ -2,11 +2,13 @@
 
 from typing import Any
 
+import hypothesis.strategies as st
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from cases.tolerances import approx
+from hypothesis import given, settings
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -101,6 +103,43 @@ def test_mirrored_cuts_differ_by_the_signs_of_their_couplings():
     even = np.array([1, -1, 1, -1, 1, -1])
     np.testing.assert_allclose(one, other * np.outer(even, even), rtol=1e-12)
     assert np.count_nonzero(np.asarray(skew_compliance(0.0, WIDE))) == 0
+
+
+@pytest.mark.slow
+@given(st.lists(st.floats(-0.7, 0.7), min_size=2, max_size=2), st.lists(st.floats(0.1, 10.0), min_size=6, max_size=6))
+@settings(max_examples=10)
+def test_skew_and_elastic_ends_obey_the_laws_of_stiffness(angles, softer):
+    """Symmetric and positive definite, and forward, reverse and central differences agree."""
+    point, along = np.array([*angles, *softer]), np.cos(1.0 + np.arange(8))
+    matrix = np.asarray(of_ends(point))
+    np.testing.assert_allclose(matrix, matrix.T, rtol=0, atol=1e-14 * np.max(np.abs(matrix)))
+    scale = np.sqrt(np.diag(matrix))
+    assert np.linalg.eigvalsh(matrix / np.outer(scale, scale))[0] > 0
+    value, forward, reverse = map(float, slopes(point, along))
+    assert forward == approx(reverse, rel=1e-9, abs=1e-9)
+    steps = [
+        float(slopes(point + h * along, along)[0] - slopes(point - h * along, along)[0]) / (2 * h) for h in (1e-4, 2e-4)
+    ]
+    assert forward == approx((4 * steps[0] - steps[1]) / 3, rel=1e-6, abs=1e-7 * (1 + abs(value)))
+
+
+@fm.jit
+def of_ends(point) -> Any:
+    """Stiffness of a leaf spring with two angles of cuts and an elastic root, six factors on its stiffnesses."""
+    leaf = leaf_of(WIDE, jnp.ones(2), None, point[:2], (ROOT * point[2:], None))
+    return leaf.matrix(None, 3, 0.1, FIELDS) + ends_matrix(leaf, 3, 0.1, FIELDS)
+
+
+@fm.jit
+def slopes(point, along) -> Any:
+    """A number of the scaled stiffness, and its derivative by the point in a direction, forward and reverse."""
+    scale = jax.lax.stop_gradient(jnp.sqrt(jnp.diag(of_ends(jnp.array([0.0, 0.0, *np.ones(6)])))))
+
+    def number(point):
+        return jnp.sum(jnp.cos(jnp.arange(20.0**2).reshape(20, 20)) * of_ends(point) / jnp.outer(scale, scale))
+
+    value, forward = jax.jvp(number, (point,), (along,))
+    return value, forward, jax.grad(number)(point) @ along
 
 
 @pytest.mark.slow
