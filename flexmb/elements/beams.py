@@ -146,10 +146,11 @@ def point_drag(*, ref: Reference, damping: float) -> Array:
     return jnp.diag(jnp.broadcast_to(damping, ref.p.shape))
 
 
-def displacements(p: Array, q: Array, slopes: Array, ref: Reference) -> Array:
+def displacements(p: Array, q: Array, slopes: Array, start: Array, ref: Reference) -> Array:
     """Displacement and length times change of the axis at p, then at q: coordinates of the cubic along a beam."""
-    chord, l0 = ref.q - ref.p, beam_length(ref)
-    return jnp.concatenate([p - ref.p, l0 * slopes[0] - chord, q - ref.q, l0 * slopes[1] - chord])
+    # Equal operations on both, so that they are exactly zero in the undeformed mechanism.
+    turned = beam_length(ref) * (slopes - start)
+    return jnp.concatenate([p - ref.p, turned[0], q - ref.q, turned[1]])
 
 
 def drag_by_length(*, ref: Reference, damping: float) -> Array:

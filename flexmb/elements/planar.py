@@ -336,7 +336,8 @@ Deformations: e1 to e2: displacement along x, y [m].
 
 def _beam_drag(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Reference) -> Float[Array, "8"]:
     """Displacements of the ends, and length times change of the axis there. Returns (8,) [m]. Source: Definition."""
-    return beams.displacements(p, q, _axes(rot_p, rot_q, ref)[:, 0], ref)
+    slopes, start = _axes(rot_p, rot_q, ref)[:, 0], _axes(ref.rot_p, ref.rot_q, ref)[:, 0]
+    return beams.displacements(p, q, slopes, start, ref)
 
 
 beam_drag = Element(

@@ -457,7 +457,8 @@ Deformations: e1 to e3: displacement along x, y, z [m].
 
 def _beam_drag(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "12"]:
     """Displacements of the ends, and length times change of the axis there. Returns (12,) [m]. Source: Definition."""
-    return beams.displacements(p, q, _triads(rot_p, rot_q, ref, None)[:, :, 0], ref)
+    slopes, start = _triads(rot_p, rot_q, ref, None)[:, :, 0], _triads(ref.rot_p, ref.rot_q, ref, None)[:, :, 0]
+    return beams.displacements(p, q, slopes, start, ref)
 
 
 beam_drag = Element(

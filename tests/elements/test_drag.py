@@ -90,3 +90,17 @@ def test_derivatives_by_the_drag():
     assert float(jax.grad(velocity)(DRAG)) == approx(exact, rel=1e-6)
     forward = jax.jvp(lambda drag: velocity(drag, adjoint=diffrax.ForwardMode()), (DRAG,), (1.0,))[1]
     assert float(forward) == approx(exact, rel=1e-6)
+
+
+@KINDS
+def test_drag_vanishes_exactly_in_the_undeformed_mechanism(kind, axes):
+    """In any direction, or `build` refuses it."""
+    section = fm.Rigidity(EA=1.0, EIy=1.0, EIz=1.0, GIt=1.0, mass=1.0)
+    for places in np.random.default_rng(0).normal(size=(3, 2, axes)):
+        b = fm.Builder()
+        b.node("p", tuple(places[0]))
+        b.node("q", tuple(places[1]))
+        b.add(kind.beam, "p", "q", section=section)
+        b.add(kind.beam_drag, "p", "q", damping=1.0)
+        b.fix("p")
+        b.build()
