@@ -4109,8 +4109,8 @@ FAULTS = [
     Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
     Fault(
         "identification/measurement.py",
-        "differences, lower=True)",
-        "differences)",
+        "(item.scatter, differences, lower=True)",
+        "(item.scatter, differences)",
         "identification/test_fit.py -k covariance",
     ),
     Fault(
@@ -4125,6 +4125,15 @@ FAULTS = [
         "-2 * np.pi * places",
         "2 * np.pi * places",
         "identification/test_measurements.py -k response",
+    ),
+    Fault(
+        "identification/repeated.py",
+        "weighted = end.slopes",
+        "weighted = slopes",
+        "identification/test_repeated.py -k closed_form",
+    ),
+    Fault(
+        "identification/fitted.py", "ends.squares / max(", "ends.squares + 0 * max(", "identification/test_repeated.py"
     ),
     Fault(
         "identification/fit.py", "not one.converged, one.cost", "one.converged, one.cost", "identification/test_fit.py"

@@ -12,11 +12,11 @@ from ..design.designs import numbers
 from ..design.evaluate import REFUSED, Build, Layout, check_dimensions, check_names, layout_of
 from ..design.scaling import Scaling
 from ..errors import AnalysisError, clean, first_line, warn
-from ..numerical_limits import AS_GOOD, AT_BOUND, IMPLAUSIBLE, PART_IN_COMBINATION, SAME_MINIMUM
+from ..numerical_limits import AS_GOOD, AT_BOUND, IMPLAUSIBLE, SAME_MINIMUM
 from ..results import RESULTS
-from .fitted import Fit, scaled_covariance, weighted_slopes
+from .fitted import Fit, scaled_covariance, scaled_deviations
 from .measurement import Measured, check_unit, measurements
-from .problem import GOOD, FitProblem, Prior, Solution
+from .problem import GOOD, FitProblem, Prior, Solution, weighted_slopes
 from .undetermined import combinations_of
 
 LOSSES = ("linear", "huber", "soft_l1", "cauchy")
@@ -186,10 +186,9 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     noise = 1.0 if known else float(np.sqrt(np.sum(rows**2) / max(len(rows) - len(unit), 1)))
     undetermined = combinations_of(problem, unit, slopes, noise or np.finfo(float).tiny)
     freedom = len(rows) - len(unit) + len(undetermined)
-    finite, infinite = scaled_covariance(slopes, noise or np.finfo(float).tiny)
+    finite, _ = scaled_covariance(slopes, noise or np.finfo(float).tiny)
     change = scaling.slopes(unit)
-    deviations = np.sqrt(np.diag(finite)) * change
-    deviations[np.any(np.abs(infinite) > PART_IN_COMBINATION, axis=1)] = np.inf
+    deviations = scaled_deviations(slopes, noise or np.finfo(float).tiny) * change
     flat = scaling.to_dimensions(unit)
     square = float(np.sum(rows**2)) if known else np.nan
     probability = float(chi2.sf(square, freedom)) if known and freedom > 0 else np.nan

@@ -5,6 +5,7 @@ import inspect
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -57,12 +58,17 @@ def predicted(item: Measured, model: Any, parameters: Mapping[str, Any]) -> Floa
     return jnp.ravel(jnp.asarray(item.answer(model, **{name: parameters[name] for name in item.parameters})))
 
 
-def in_deviations(item: Measured, differences: np.ndarray) -> np.ndarray:
-    """Return differences (m, ...) in standard deviations, decorrelated; unchanged if the scatter is not known."""
+def in_deviations(item: Measured, differences: Any) -> Any:
+    """Return differences (m, ...) in standard deviations, decorrelated; unchanged if the scatter is not known.
+
+    The differences may be traced.
+    """
     if item.scatter is None:
         return differences
     if item.scatter.ndim == 1:
         return differences / item.scatter.reshape(-1, *[1] * (differences.ndim - 1))
+    if isinstance(differences, jax.Array):
+        return jax.scipy.linalg.solve_triangular(jnp.asarray(item.scatter), differences, lower=True)
     from scipy.linalg import solve_triangular
 
     return solve_triangular(item.scatter, differences, lower=True)

@@ -18,7 +18,6 @@ from ..design.swept import Sweep
 from ..display import Result, Summary
 from ..errors import clean, warn
 from ..numerical_limits import FEW_DRAWS, NOT_MIXED
-from .measurement import Measured
 from .problem import GOOD, FitProblem, prediction_of
 
 # Largest number of parameters for forward differentiation, which compiles faster.
@@ -165,8 +164,7 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
     def log_density(logit: Float[Array, "n"]):
         unit = jax.nn.sigmoid(logit)
         values, code = function(scaling.to_dimensions(unit))
-        rows = [_in_deviations(i, (values - measured)[p]) for i, p in zip(problem.items, problem.parts, strict=True)]
-        square = sum(jnp.sum(row**2) for row in rows)
+        square = jnp.sum(problem.weighted(values - measured) ** 2)
         found = -square / 2 if known else -len(problem.measured) / 2 * jnp.log(square)
         # Density of the logit of a scaled parameter that is uniform between its bounds. A prior multiplies it below.
         found += jnp.sum(jax.nn.log_sigmoid(logit) + jax.nn.log_sigmoid(-logit))
@@ -180,14 +178,6 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
         return jnp.where(good, found, -jnp.inf)
 
     return log_density
-
-
-def _in_deviations(item: Measured, difference: Array) -> Array:
-    if item.scatter is None:
-        return difference
-    if item.scatter.ndim == 1:
-        return difference / item.scatter
-    return jax.scipy.linalg.solve_triangular(jnp.asarray(item.scatter), difference, lower=True)
 
 
 def _tell(found: Posterior) -> None:

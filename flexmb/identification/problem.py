@@ -94,19 +94,44 @@ class FitProblem:
     ) -> tuple[Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, int]], Layout]:
         """Return the compiled function from scaled parameters to answers, slopes and code, and the answers' layout."""
         function, layout = flat_function(self.build, answers, self.layout, self.models)
-        differentiate: Any = jax.jacfwd if sum(self.layout.sizes) <= REVERSE_COST * sum(layout.sizes) else jax.jacrev
 
         def twice(unit: Float[jax.Array, "n"]):
             values, code = function(self.scaling.to_dimensions(unit))
             return values, (values, code)
 
-        compiled = jit(differentiate(twice, has_aux=True))
+        compiled = jit(self._differentiated(twice, layout))
 
         def call(unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
             slopes, (values, code) = compiled(jnp.asarray(unit))
             return np.asarray(values), np.asarray(slopes), int(code)
 
         return call, layout
+
+    def _differentiated(self, function: Callable[..., Any], layout: Layout) -> Callable[..., Any]:
+        """Return the function of scaled parameters that returns slopes and further results, forward or reverse."""
+        forward = sum(self.layout.sizes) <= REVERSE_COST * sum(layout.sizes)
+        return jax.jacfwd(function, has_aux=True) if forward else jax.jacrev(function, has_aux=True)
+
+    def traced(self) -> Callable[[Any, Any], tuple[Any, Any, Any]]:
+        """Return the function, for a trace, from scaled parameters and measured values to the results of `residuals`.
+
+        The last result is whether the design has an answer and a derivative.
+        """
+        answers = {item.name: prediction_of(item) for item in self.items}
+        function, layout = flat_function(self.build, answers, self.layout, self.models)
+
+        def twice(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
+            flat = self.scaling.to_dimensions(unit)
+            computed, code = function(flat)
+            priors = [jnp.ravel((flat[i] - prior.mean) / prior.deviation) for i, prior in self.priors.items()]
+            rows = jnp.concatenate([self.weighted(computed - values), *priors])
+            return rows, (rows, code)
+
+        def evaluate(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
+            slopes, (rows, code) = self._differentiated(twice, layout)(unit, values)
+            return rows, slopes, jnp.any(code == jnp.array([int(one) for one in GOOD], code.dtype))
+
+        return evaluate
 
     def asked_at(
         self, unit: np.ndarray, answers: Mapping[str, Callable[[Any], Any]]
@@ -127,11 +152,10 @@ class FitProblem:
         """Values of all measurements, (m,)."""
         return np.concatenate([item.values for item in self.items])
 
-    def weighted(self, differences: np.ndarray) -> np.ndarray:
-        """Return differences (m, ...) in standard deviations."""
-        return np.concatenate(
-            [in_deviations(item, differences[p]) for item, p in zip(self.items, self.parts, strict=True)]
-        )
+    def weighted(self, differences: Any) -> Any:
+        """Return differences (m, ...), which may be traced, in standard deviations."""
+        rows = [in_deviations(item, differences[p]) for item, p in zip(self.items, self.parts, strict=True)]
+        return (jnp if isinstance(differences, jax.Array) else np).concatenate(rows)
 
     def residuals(self, unit: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, int]:
         """Return weighted differences, measurements before priors, their slopes, and a code of RESULTS."""
@@ -204,16 +228,22 @@ def _cost(rows: np.ndarray, loss: str) -> float:
     return float(np.sum(robust(rows, loss)[0]))
 
 
-def robust(rows: np.ndarray, loss: str) -> tuple[np.ndarray, np.ndarray]:
+def robust(rows: Any, loss: str) -> tuple[Any, Any]:
     """Return the robust loss (as in SciPy) of each weighted difference, and its weight in the normal equations."""
+    arrays = jnp if isinstance(rows, jax.Array) else np
     squares = rows**2
     if loss == "linear":
-        return squares, np.ones_like(rows)
+        return squares, arrays.ones_like(rows)
     if loss == "huber":
         inner = squares <= 1
-        root = np.sqrt(np.maximum(squares, 1))
-        return np.where(inner, squares, 2 * root - 1), np.where(inner, 1.0, 1 / root)
+        root = arrays.sqrt(arrays.maximum(squares, 1.0))
+        return arrays.where(inner, squares, 2 * root - 1), arrays.where(inner, 1.0, 1 / root)
     if loss == "soft_l1":
-        root = np.sqrt(1 + squares)
+        root = arrays.sqrt(1 + squares)
         return 2 * (root - 1), 1 / root
-    return np.log1p(squares), 1 / (1 + squares)
+    return arrays.log1p(squares), 1 / (1 + squares)
+
+
+def weighted_slopes(rows: np.ndarray, slopes: np.ndarray, loss: str) -> np.ndarray:
+    """Return slopes of weighted differences, times the root of the weight of the robust loss."""
+    return slopes * np.sqrt(robust(rows, loss)[1])[:, None]

@@ -112,6 +112,14 @@ def test_what_to_measure_next():
     # Independent measurements: information adds. The scale knows the mass to 2 %.
     of_mass = np.hypot(1e-2, 2e-3)
     assert dict(ranked)["scale"] == pytest.approx(1 / np.sqrt(1 + (of_mass / 0.02) ** 2), rel=1e-6)
+    # An answer: the logarithms of frequency and stiffness are independent, and ln m = ln k - 2 ln f + const.
+    known = np.diag([1e-6, 1e-4])
+    by_mass = known @ [-2, 1]
+    share = np.sqrt(1 - by_mass[0] ** 2 / (by_mass @ [-2, 1] + 0.02**2) / 1e-6)
+    of_answer = dict(found.next_measurement([scale, gauge], narrow="frequency 1"))
+    assert of_answer == pytest.approx({"scale": share, "gauge": 1.0}, rel=1e-6)
+    with pytest.raises(KeyError, match="no parameter or question 'width'"):
+        found.next_measurement([scale], narrow="width")
     better = fm.fit(cart, data | {"gauge": fm.measured("stiffness cart.x", STIFFNESS, 0.1)}, GUESS, BOUNDS)
     assert dict(ranked)["gauge"] == pytest.approx(better.deviation["mass"] / found.deviation["mass"], rel=1e-6)
 
