@@ -749,6 +749,21 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
 
 
 @command
+def robustness(study: StudyFile, json_path: Json = None, save: Save = None, plot: StudyPlot = None) -> None:
+    """Compute yield, percentiles and worst cases of made mechanisms with scatter."""
+
+    def work(read: Any):
+        from . import __version__
+        from .design.study import robustness_answer, robustness_table
+
+        found = read.robustness(progress=sys.stderr.isatty())
+        data = robustness_answer(read, found, __version__)
+        return data, robustness_table(found, data), found.samples.save, found
+
+    _study("robustness", study, json_path, save, plot, work)
+
+
+@command
 def fit(
     study: Annotated[Path, typer.Argument(metavar="STUDY.toml", help="Model, parameters and measurements.")],
     json_path: Json = None,

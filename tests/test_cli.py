@@ -423,7 +423,7 @@ def test_a_wrong_call_is_one_line(line, workplace):
     assert {path: path.read_bytes() for path in sorted(workplace.rglob("*")) if path.is_file()} == before
 
 
-@pytest.mark.parametrize("command", ["", "run", "check", "verdict", "demo", "sweep", "tune", "fit"])
+@pytest.mark.parametrize("command", ["", "run", "check", "verdict", "demo", "sweep", "tune", "robustness", "fit"])
 @pytest.mark.parametrize("option", ["-h", "--help"])
 def test_help(command, option):
     result = call(*command.split(), option)
@@ -569,7 +569,7 @@ def test_modes_by_number_and_by_name(words, number, monkeypatch):
     assert result.stderr == f"flexmb: RuntimeError: mode {number} (--debug shows where)\n"
 
 
-@pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune", "fit"])
+@pytest.mark.parametrize("command", ["check", "demo", "sweep", "tune", "robustness", "fit"])
 def test_the_same_of_every_command(command, monkeypatch, tmp_path):
     def surprised(*_, **__):
         raise RuntimeError("surprise")

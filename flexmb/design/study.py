@@ -2,15 +2,18 @@
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
+from ..display import short
 from ..errors import ModelError, SpacarError, StudyError
 from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
-from .evaluate import build_once, flat_function, layout_of
+from .evaluate import Layout, build_once, flat_function, layout_of
+from .robust import SHOWN, Robustness, robustness
+from .scatter import Scatter
 from .study_parts import UNTRACEABLE, RaisedError, naming
 from .sweep import sweep
 from .swept import ROWS, Sweep
@@ -32,6 +35,10 @@ class Study:
         wanted: Targets, limits, equalities and options of tune.
         plan: Options of sweep.
         choices: List of values of each choice, by name.
+        build_made: Function of the parameters with bounds and of all with scatter that returns a model.
+        scatter: Scatter of made mechanisms, if given.
+        acceptable: Lower and upper limit of answers of an acceptable mechanism, by name.
+        robust: Options of robustness.
     """
 
     name: str
@@ -42,20 +49,27 @@ class Study:
     scales: dict[str, str]
     wanted: dict[str, Any]
     plan: dict[str, Any]
-    choices: dict[str, list[Any]] = dataclasses.field(default_factory=dict)
+    choices: dict[str, list[Any]]
+    build_made: Callable[..., Any]
+    scatter: Scatter | None
+    acceptable: dict[str, tuple[Any, Any]]
+    robust: dict[str, Any]
 
     @property
     def warnings(self) -> list[str]:
         """Warnings that the reader of the input file has given."""
-        return list(getattr(self.build, "warnings", ()))
+        builders = self.build, self.build_made
+        return list(dict.fromkeys(text for builder in builders for text in getattr(builder, "warnings", ())))
 
     def tune(self, **options: Any) -> Tuned:
         """Run :func:`flexmb.tune`; a StudyError names the file."""
         wanted: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
+        if self.scatter is not None:
+            wanted = {"scatter": self.scatter, "acceptable": self.acceptable, **wanted}
         with naming(f"{self.name}: ", UNTRACED):
             bounds = {} if self.choices and not self.bounds else self._bounded()
-            return tune(self.build, self.answers, self.values, bounds, scales=scales, **wanted)
+            return tune(self.build_made, self.answers, self.values, bounds, scales=scales, **wanted)
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""
@@ -76,6 +90,22 @@ class Study:
                 return sweep(self.build, self.answers, designs, **options)
             except (RaisedError, *UNTRACEABLE):
                 return sweep(self.build, self.answers, designs, compiled=False, **options)
+
+    def robustness(self, **options: Any) -> Robustness:
+        """Run :func:`flexmb.design.robustness` about the values of the parameters.
+
+        Without [acceptable], mechanisms within [limits] are acceptable.
+        """
+        if self.scatter is None:
+            raise StudyError(f"{self.name}: '[scatter]' is missing or empty.")
+        if self.choices:
+            raise StudyError(f"{self.name}: [choices]: robustness has none. Give one value of each as a parameter.")
+        limits = self.acceptable or {n: pair for n, pair in self.wanted["limits"].items() if n in self.answers}
+        own = {name: value for name, value in self.robust.items() if name != "percentiles"}
+        with naming(f"{self.name}: ", UNTRACED_MADE):
+            return robustness(
+                self.build_made, self.answers, self.values, self.scatter, limits=limits, **{**own, **options}
+            )
 
     def _is_traceable(self) -> bool:
         try:
@@ -112,6 +142,7 @@ class Study:
         return self.bounds
 
 
+UNTRACED_MADE = "robustness compiles, and the model or an answer cannot be traced by JAX"
 UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced by JAX"
 
 
@@ -162,6 +193,49 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
             for combination in found.combinations
         ],
     }
+
+
+def robustness_answer(study: Study, found: Robustness, version: str) -> dict[str, Any]:
+    """Return yield, percentiles and worst cases as data for JSON."""
+    failed = found.samples.failures()
+    percents = study.robust.get("percentiles", SHOWN)
+    answers = {}
+    for name, nominal in found.nominal.items():
+        layout = Layout((name,), (np.shape(nominal),))
+        for label, value in zip(layout.labels, np.ravel(nominal), strict=True):
+            low, high = found.worst(label)
+            answers[label] = {
+                "nominal": value,
+                "mean": found.mean(label)._asdict(),
+                "deviation": found.deviation(label),
+                "percentiles": {f"{percent:g}": found.percentile(label, percent)._asdict() for percent in percents},
+                "lowest": {"value": low[0], "parameters": low[1]},
+                "highest": {"value": high[0], "parameters": high[1]},
+            }
+    return {
+        "study": study.name,
+        "flexmb": version,
+        "status": "ok",
+        "message": ", ".join(f"{n} mechanisms: {name}" for name, n in failed.items()),
+        "warnings": study.warnings,
+        "parameters": {**study.values, **(study.scatter.nominal if study.scatter else {})},
+        "samples": len(found.samples.codes),
+        "level": found.level,
+        "limits": {name: list(pair) for name, pair in found.limits.items()},
+        "yield": found.fraction._asdict() if found.limits else None,
+        "yields": {name: share._asdict() for name, share in found.fractions.items()},
+        "answers": answers,
+    }
+
+
+def robustness_table(found: Robustness, data: Mapping[str, Any]) -> str:
+    """Return yield, and nominal value, deviation and percentiles of each answer, for the terminal."""
+    lines = [found.summary().title]
+    lines += [f"  {name}: {text}" for name, text in found.summary().rows.items() if name not in found.nominal]
+    for label, entry in data["answers"].items():
+        shares = ", ".join(f"{percent} % below {short(own['value'])}" for percent, own in entry["percentiles"].items())
+        lines.append(f"  {label}: {shares} (nominal {short(entry['nominal'])}, deviation {short(entry['deviation'])})")
+    return "\n".join(lines)
 
 
 def sweep_table(found: Sweep) -> str:

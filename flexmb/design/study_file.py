@@ -14,8 +14,10 @@ from ..files import read_whole
 from ..questions.question import Asked, Question, questions
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
+from .scatter import Scatter
 from .study import Study
 from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
+from .study_scatter import as_percentiles, check_statistic, scatter_of
 from .study_values import (
     Kind,
     as_choice,
@@ -24,6 +26,7 @@ from .study_values import (
     as_numbers,
     as_pair,
     as_positive,
+    as_share,
     as_text,
     as_whole,
     checked_table,
@@ -49,6 +52,7 @@ TUNE: dict[str, Kind] = {
     "seed": as_whole(0),
     "tolerance": as_positive,
     "max_evaluations": as_whole(),
+    "samples": as_whole(8, MOST),
 }
 DESIGNS = {"grid": ("points",), "latin-hypercube": ("samples", "seed"), "monte-carlo": ("samples", "seed")}
 SWEEP: dict[str, Kind] = {
@@ -57,6 +61,13 @@ SWEEP: dict[str, Kind] = {
     "samples": as_whole(1, MOST),
     "seed": as_whole(0, MOST),
     "chunk": as_whole(1, MOST),
+}
+ROBUSTNESS: dict[str, Kind] = {
+    "samples": as_whole(2, MOST),
+    "seed": as_whole(0),
+    "level": as_share,
+    "chunk": as_whole(1, MOST),
+    "percentiles": as_percentiles,
 }
 FIT: dict[str, Kind] = {
     "loss": as_choice("linear", "huber", "soft_l1", "cauchy"),
@@ -76,6 +87,10 @@ TABLES = {
     "equal": None,
     "tune": TUNE,
     "sweep": SWEEP,
+    "scatter": None,
+    "correlation": None,
+    "acceptable": None,
+    "robustness": ROBUSTNESS,
     "data": None,
     "fit": FIT,
 }
@@ -155,9 +170,14 @@ class StudyReader:
                 check_names((*parameters, *choices), tuple(answers), ())
             except ValueError as fault:
                 raise StudyError(f"[answers] {fault}") from None
+            values = {name: given["value"] for name, given in parameters.items()}
+            made = self.scatter(values, tuple(free), choices)
+            scattered = () if made is None else tuple(made.nominal)
+            rest = tuple(pair for pair in fixed if pair[0] not in scattered)
+            build = self.builder(fixed, (*free, *choices))
             return Study(
                 self.name,
-                self.builder(fixed, (*free, *choices)),
+                build,
                 answers,
                 {name: given["value"] for name, given in free.items()},
                 {name: (given["lower"], given["upper"]) for name, given in free.items()},
@@ -165,6 +185,10 @@ class StudyReader:
                 self.wanted(tuple(answers)),
                 self.plan(tuple(free)),
                 choices,
+                build if made is None else self.builder(rest, (*free, *scattered, *choices)),
+                made,
+                self.limits("acceptable", tuple(answers)),
+                self.data.get("robustness", {}),
             )
 
     def check_tables(self, *needed: str) -> None:
@@ -220,6 +244,19 @@ class StudyReader:
             found[name] = given
         return found
 
+    def scatter(self, values: dict[str, float], free: tuple[str, ...], choices: Mapping[str, Any]) -> Scatter | None:
+        """Return the scatter of made mechanisms; None without [scatter]."""
+        given = self.data.get("scatter", {})
+        if not given:
+            for table in ("correlation", "acceptable", "robustness"):
+                if table in self.data:
+                    raise StudyError(f"[{table}] is about made mechanisms. It needs [scatter].")
+            return None
+        for name in given:
+            if name in choices:
+                raise StudyError(f"[scatter] {clean(name)}: a choice has no scatter. Give one value as a parameter.")
+        return scatter_of(given, self.data.get("correlation", {}), values, free)
+
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
         """Return the function from the free parameters to the model."""
         text, release, folder = self.data["model"], self.data.get("release"), self.path.parent
@@ -268,20 +305,38 @@ class StudyReader:
         """Return the arguments of tune."""
         found: dict[str, Any] = {}
         for table in ("targets", "equal"):
-            given = self.data.get(table, {})
-            found[table] = {name: as_numbers(_key_of_answer(table, name, answers), v) for name, v in given.items()}
-        found["limits"] = {}
-        for name, given in self.data.get("limits", {}).items():
-            key = _key_of_answer("limits", name, answers)
-            if not isinstance(given, dict) or not given:
-                raise StudyError(f"{key} must be a table with lower, upper or both.")
-            pair = checked_table(key, given, LIMIT)
-            found["limits"][name] = (pair.get("lower"), pair.get("upper"))
+            found[table] = {}
+            for name, value in self.data.get(table, {}).items():
+                self._check_wanted(f"[{table}]", name, answers)
+                found[table][name] = as_numbers(f"[{table}] {clean(name)}", value)
+        found["limits"] = self.limits("limits", answers)
         options = self.data.get("tune", {})
         for sense in ("minimize", "maximize"):
             if sense in options:
-                _check_answer(f"[tune] {sense}", options[sense], answers)
+                self._check_wanted(f"[tune] {sense}", options[sense], answers)
+        if "samples" in options and not self.data.get("scatter"):
+            raise StudyError("[tune] samples is about made mechanisms. It needs [scatter].")
         return {**found, **options}
+
+    def limits(self, table: str, answers: tuple[str, ...]) -> dict[str, tuple[Any, Any]]:
+        """Return the lower and upper limits of a table; statistics have limits too, but are not acceptable or not."""
+        found = {}
+        for name, given in self.data.get(table, {}).items():
+            key = f"[{table}] {clean(name)}"
+            if table == "limits":
+                self._check_wanted("[limits]", name, answers)
+            else:
+                _check_answer(f"[{table}]", name, answers)
+            if not isinstance(given, dict) or not given:
+                raise StudyError(f"{key} must be a table with lower, upper or both.")
+            pair = checked_table(key, given, LIMIT)
+            found[name] = (pair.get("lower"), pair.get("upper"))
+        return found
+
+    def _check_wanted(self, key: str, name: str, answers: tuple[str, ...]) -> None:
+        """Refuse a name that is neither an answer nor a statistic of made mechanisms."""
+        if not check_statistic(key, name, answers, self.data):
+            _check_answer(key, name, answers)
 
     def plan(self, free: tuple[str, ...]) -> dict[str, Any]:
         """Return the options of the sweep."""
@@ -309,11 +364,6 @@ def _key_of_name(table: str, name: str, what: str) -> str:
     if not name.isidentifier() or name == "pi":
         raise StudyError(f"{key}: a {what}'s name has letters, digits and _ alone, and is not pi.")
     return key
-
-
-def _key_of_answer(table: str, name: str, answers: tuple[str, ...]) -> str:
-    _check_answer(f"[{table}]", name, answers)
-    return f"[{table}] {clean(name)}"
 
 
 def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:

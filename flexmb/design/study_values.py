@@ -32,6 +32,13 @@ def as_positive(key: str, value: Any) -> float:
     return float(value)
 
 
+def as_share(key: str, value: Any) -> float:
+    """Return a number between 0 and 1."""
+    if not 0 < as_number(key, value) < 1:
+        raise StudyError(f"{key} must be between 0 and 1, but is {value:g}.")
+    return float(value)
+
+
 def as_numbers(key: str, value: Any) -> Any:
     """Return a number, or nested lists of numbers as an array."""
     if not isinstance(value, list):

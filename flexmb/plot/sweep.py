@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..design.robust import Robustness
 from ..design.swept import Front, Sweep
 from .canvas import BLUE, GREY, RED, grid, label_axis, largest_of, plain_axes
 
@@ -15,7 +16,7 @@ HEXAGONS, EACH = 60, 16
 
 
 def sweep(
-    found: Sweep | Front,
+    found: Sweep | Front | Robustness,
     answer: str | None = None,
     over: Sequence[str] | str | None = None,
     *,
@@ -31,7 +32,7 @@ def sweep(
     grey if they have a position, and the title states their number.
 
     Args:
-        found: Result of ``fm.sweep``, or its front by ``pareto``, whose designs are marked.
+        found: Result of ``fm.sweep`` or ``fm.design.robustness``, or a front by ``pareto``, whose designs are marked.
         answer: Name of the answer, or of an entry such as "frequencies[0]"; by default each answer of one number, in
             separate Axes.
         over: One dimension or two; by default the first two that vary.
@@ -49,6 +50,8 @@ def sweep(
         ValueError: The answer, or each answer, has several numbers; ``over`` is not one or two dimensions; ``x`` is
             given without ``y``.
     """
+    if isinstance(found, Robustness):
+        found = found.samples
     if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be a result of fm.sweep(..), but is a {type(found).__name__}.")
     front = found if isinstance(found, Front) else None

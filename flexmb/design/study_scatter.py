@@ -1,0 +1,78 @@
+"""Reader of the scatter of a study: distributions, correlations, acceptable answers, and options of robustness."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..errors import StudyError, clean, first_line
+from .scatter import Scatter, scatter
+from .statistics import YIELD, statistic_of
+from .study_values import as_number, as_text
+
+
+def as_spread(key: str, value: Any) -> Any:
+    """Return a standard deviation, or a tuple of the name of a distribution and its numbers."""
+    if not isinstance(value, list):
+        return as_number(key, value)
+    if not value:
+        raise StudyError(f"{key} must be a standard deviation or a list such as ['uniform', 1e-5], but is empty.")
+    return (as_text(key, value[0]), *(as_number(key, entry) for entry in value[1:]))
+
+
+def as_percentiles(key: str, value: Any) -> list[float]:
+    """Return percentages between 0 and 100."""
+    numbers = [as_number(key, entry) for entry in value] if isinstance(value, list) else []
+    if not numbers or not all(0 < number < 100 for number in numbers):
+        raise StudyError(f"{key} must be a list of numbers between 0 and 100, but is {clean(repr(value))}.")
+    return numbers
+
+
+def scatter_of(
+    given: Mapping[str, Any], correlated: Mapping[str, Any], values: Mapping[str, Any], free: Iterable[str]
+) -> Scatter:
+    """Return the scatter of the tables [scatter] and [correlation].
+
+    Args:
+        given: Table [scatter].
+        correlated: Table [correlation].
+        values: Nominal value of each parameter.
+        free: Parameters with bounds, which are dimensions of the design.
+    """
+    spreads = {}
+    for name, value in given.items():
+        key = f"[scatter] {clean(name)}"
+        if name not in values:
+            raise StudyError(f"{key}: there is no such parameter ({clean(', '.join(values))}).")
+        spreads[name] = as_spread(key, value)
+        try:
+            scatter({name: spreads[name]})
+        except ValueError as fault:
+            raise StudyError(f"{key}: {first_line(fault)}") from None
+    pairs = {}
+    for first, others in correlated.items():
+        key = f"[correlation] {clean(first)}"
+        if not isinstance(others, dict):
+            raise StudyError(f"{key} must name a second parameter, such as t.w = 0.5, but is {clean(repr(others))}.")
+        for second, value in others.items():
+            pair, key = (first, second), f"[correlation] {clean(first)}.{clean(second)}"
+            pairs[pair] = as_number(key, value)
+            try:
+                scatter(spreads, correlation=pairs)
+            except ValueError as fault:
+                raise StudyError(f"{key}: {first_line(fault)}") from None
+    nominal = {name: values[name] for name in spreads if name not in free}
+    return scatter(spreads, correlation=pairs, nominal=nominal)
+
+
+def check_statistic(key: str, name: str, answers: Iterable[str], tables: Mapping[str, Any]) -> bool:
+    """Return whether a name is a statistic of made mechanisms; StudyError if its tables are missing."""
+    named = dict.fromkeys(answers)
+    try:
+        found = name == YIELD or statistic_of(name, named) is not None
+    except ValueError as fault:
+        raise StudyError(f"{key}: {first_line(fault)}") from None
+    if not found or name in named:
+        return False
+    for table in ("scatter", *(["acceptable"] if name == YIELD else [])):
+        if not tables.get(table):
+            raise StudyError(f"{key}: '{clean(name)}' is about made mechanisms. It needs [{table}].")
+    return True
