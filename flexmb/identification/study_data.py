@@ -259,16 +259,27 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
         content = read_whole(path, LARGEST_TABLE)
     what = f"{key}: '{clean(path.name)}'"
     try:
-        lines = content.decode("utf-8-sig").splitlines()
+        text = content.decode("utf-8-sig")
     except ValueError:
         raise StudyError(f"{what} is no text in UTF-8.") from None
+    return _columns_of(what, cells_of(what, text), chosen, columns)
+
+
+def cells_of(what: str, text: str) -> list[tuple[int, list[str]]]:
+    """Return number and cells of each line of a CSV text; StudyError if there is none."""
+    lines = text.splitlines()
     rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
         raise StudyError(f"{what} is empty.")
     separator = next((letter for letter in SEPARATORS if letter in rows[0][1]), ",")
-    cells = [
+    return [
         (i, [cell.strip() for cell in next(csv.reader(io.StringIO(line), delimiter=separator))]) for i, line in rows
     ]
+
+
+def _columns_of(
+    what: str, cells: list[tuple[int, list[str]]], chosen: Mapping[str, str | int], columns: tuple[str, ...]
+) -> dict[str, np.ndarray]:
     are_numbers = [_is_number(cell) for cell in cells[0][1]]
     by_number = bool(chosen) and all(isinstance(column, int) for column in chosen.values())
     # Columns by number need no header: a row with some numbers is data, of which a cell may be missing.
@@ -280,6 +291,39 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
         raise StudyError(f"{what} has no column {' or '.join(columns)}. Name columns, such as {{ {columns[0]} = 2 }}.")
     places = {name: _place(what, header, column) for name, column in wanted.items()}
     return {name: np.array([_cell(what, i, row, place, name) for i, row in cells]) for name, place in places.items()}
+
+
+def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable[..., Any]]) -> Measured:
+    """Return the measurement of a CSV text: columns of a response, or answer, value and deviation in each line.
+
+    Args:
+        name: Name of the file, for messages.
+        text: Content of the file.
+        answers: Function of questions that returns the function of the model with their answers.
+    """
+    what = f"'{clean(name)}'"
+    cells = cells_of(what, text)
+    if "answer" not in cells[0][1]:
+        columns = KINDS["response"][1]
+        if "hertz" not in cells[0][1]:
+            raise StudyError(f"{what} has no column answer or hertz. Its first line must name its columns.")
+        with _named(what):
+            return _response(what, name, _columns_of(what, cells, {}, columns))
+    (_, header), *rows = cells
+    if not rows:
+        raise StudyError(f"{what} has no line of numbers.")
+    place = header.index("answer")
+    if short := [i for i, row in rows if place >= len(row)]:
+        raise StudyError(f"{what}, line {short[0]}: there is no column {place + 1} for answer.")
+    columns = {key: _column(what, header, rows, key) for key in ("value", "deviation")}
+    with _named(what):
+        texts = [row[place] for _, row in rows]
+        return measured(answers(texts), columns["value"], columns["deviation"], name=name)
+
+
+def _column(what: str, header: list[str], rows: list[tuple[int, list[str]]], name: str) -> np.ndarray:
+    place = _place(what, header, name)
+    return np.array([_cell(what, i, row, place, name) for i, row in rows])
 
 
 def _place(what: str, header: list[str], column: str | int) -> int:

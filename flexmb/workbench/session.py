@@ -208,6 +208,13 @@ class Session:
 
         return {"job": self.jobs.start("target", work)}
 
+    def do_fit(self, text: str, name: str, free: list) -> dict[str, Any]:
+        """Fit names to a table of measurements; the document stays as it is."""
+        from .fit_table import fitted_names
+
+        document, node = self.history.document, self.wants.support_node
+        return {"job": self.jobs.start("fit", lambda job: fitted_names(document, clean(name), text, free, node))}
+
     def do_run(self, analysis: str, options: dict | None = None) -> dict[str, Any]:
         """Run an analysis."""
         from .analyses import run

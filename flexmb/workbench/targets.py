@@ -71,7 +71,11 @@ class _Tuning:
         self.wants = wants_of(wants, names)
         self.free = checked_free(document, free)
         self.assumed: dict[str, tuple[float, float]] = {}
-        bounds = {name: self._bounds(name, numbers) for name in self.free}
+        bounds = {}
+        for name in self.free:
+            bounds[name], is_assumed = bounds_of(document, name, numbers)
+            if is_assumed:
+                self.assumed[name] = bounds[name]
         self.start = np.array([names[name] for name in self.free])
         self.scaling = Scaling(layout_of({name: names[name] for name in self.free}), bounds, {})
         # Size of a change through the whole range, relative if the dimension keeps its sign.
@@ -95,23 +99,6 @@ class _Tuning:
         if built.problems:
             raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
         return built.builder.build()
-
-    def _bounds(self, name: str, numbers: Mapping[str, Any]) -> tuple[float, float]:
-        """Bounds of a name, with defaults."""
-        value = float(numbers[f"names/{name}/value"])
-        known = [numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
-        if None not in known:
-            low, high = (float(bound) for bound in known)  # pyright: ignore[reportArgumentType]
-        else:
-            size = abs(value) * WIDE if value else 0.5 * extent_of(np.array(list(positions(self.document).values())))
-            wide = sorted((value / WIDE, value * WIDE)) if value else [-size, size]
-            low, high = (float(w if bound is None else bound) for bound, w in zip(known, wide, strict=True))
-            self.assumed[name] = low, high
-        if not low < high:
-            raise ValueError(f"The bounds of '{clean(name)}' are {low:g} and {high:g}. The upper must be larger.")
-        if not low <= value <= high:
-            raise ValueError(f"'{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}. Widen them.")
-        return low, high
 
     def _by_key(self, values: np.ndarray) -> dict[str, float]:
         return dict(zip(self.keys, values.tolist(), strict=True))
@@ -296,6 +283,20 @@ class _Tuning:
             if after is None or self.best is None or self.best[0] > TARGET_MET or self.missed(after) <= TARGET_MET:
                 break
         return ops, design
+
+
+def bounds_of(document: Document, name: str, numbers: Mapping[str, Any]) -> tuple[tuple[float, float], bool]:
+    """Bounds of a name, and whether one is a default."""
+    value = float(numbers[f"names/{name}/value"])
+    known = [numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
+    size = abs(value) * WIDE if value else 0.5 * extent_of(np.array(list(positions(document).values())))
+    wide = sorted((value / WIDE, value * WIDE)) if value else [-size, size]
+    low, high = (float(w if bound is None else bound) for bound, w in zip(known, wide, strict=True))
+    if not low < high:
+        raise ValueError(f"The bounds of '{clean(name)}' are {low:g} and {high:g}. The upper must be larger.")
+    if not low <= value <= high:
+        raise ValueError(f"'{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}. Widen them.")
+    return (low, high), None in known
 
 
 def _is_of_loads(key: str) -> bool:

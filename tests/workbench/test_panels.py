@@ -488,6 +488,25 @@ def test_a_target_is_met_at_a_click(page):
 
 
 @pytest.mark.slow
+def test_a_table_of_measurements_is_fitted(page, tmp_path):
+    edit(page, *GUIDE)
+    answered(page)
+    table = tmp_path / "shaker.csv"
+    table.write_text(f"answer,value,deviation\nfrequency 1,{frequencies(0.6e-3)[0]},0.01\n")
+    tab(page, "measured")
+    assert not page.find_element("id", "fit-run").is_enabled()
+    page.find_element("id", "fit-file").send_keys(str(table))
+    page.find_element("xpath", "//*[@id='measured']//label[.='L']").click()
+    page.find_element("id", "fit-run").click()
+    until(page, "document.querySelector('#measured .job')?.dataset.status === 'done'", 120)
+    assert "95 % from" in ask(page, "document.querySelector('#measured .job thead').textContent")
+    assert ask(page, "s.state.document.names.t.value") == "0.0005"
+    page.find_element("id", "fit-take").click()
+    until(page, "s.state.document.names.t.value !== '0.0005'")
+    assert float(ask(page, "s.state.document.names.t.value")) == approx(0.6e-3, rel=1e-6)
+
+
+@pytest.mark.slow
 def test_a_pinned_design_stands_beside_this_one(page):
     edit(page, *GUIDE)
     shown = answered(page)

@@ -379,6 +379,23 @@ def test_a_target_is_one_step_that_is_seen_as_it_goes(opened):
     assert session.history.document.text == text
 
 
+@pytest.mark.slow
+def test_a_fit_tells_its_values_and_leaves_the_document(opened):
+    session, told = opened()
+    session.ask("edit", {"ops": cantilever()})
+    text = session.history.document.text
+    told.until(lambda n: n["answers"].get("status") == "ok")
+    now = told.newest["answers"]["values"]["frequency 1"]["value"]
+    table = f"answer,value,deviation\nfrequency 1,{1.1 * now},{0.01 * now}\n"
+    session.ask("fit", {"text": table, "name": "shaker.csv", "free": ["t"]})
+    found = told.until(lambda n: n["job"].get("status") == "done" and n["job"])
+    assert (found["kind"], found["title"]) == ("fit", "Fit to shaker.csv")
+    assert session.history.document.text == text
+    session.ask("edit", {"ops": found["ops"], "label": found["title"]})
+    told.until(lambda n: n["answers"].get("of_revision") == session.history.revision)
+    assert told.newest["answers"]["values"]["frequency 1"]["value"] == approx(1.1 * now, rel=1e-5)
+
+
 def test_a_pinned_design_is_compared(opened):
     session, told = opened()
     session.ask("edit", {"ops": cantilever()})

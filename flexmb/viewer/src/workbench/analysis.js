@@ -62,7 +62,7 @@ export function analysis(store, canvas) {
     }
     made?.update();
     const runs = Object.values(store.state.jobs)
-      .filter(({ kind }) => kind !== "target")
+      .filter(({ kind }) => kind !== "target" && kind !== "fit")
       .reverse();
     progress(store, jobs, runs, (job) => canvas?.playView?.(job.view));
   }

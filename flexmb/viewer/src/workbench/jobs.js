@@ -50,7 +50,7 @@ const STATES = { running: "running …", done: "done", failed: "failed", stopped
 function fill(own, { kind, title, status, fraction, text, design, picture, view, rows }) {
   const [head, bar, image, told, table] = own.children;
   const [name, state, shows, stop] = head.children;
-  say(name, title ?? (kind === "target" ? "Target" : kind));
+  say(name, title ?? ({ target: "Target", fit: "Fit" }[kind] ?? kind));
   image.alt = `Plot: ${name.textContent}`;
   say(state, STATES[status] ?? status);
   own.dataset.status = status;

@@ -237,7 +237,7 @@ export class Store {
     }
     this.put({ jobs, answers: null, count: null, ways: null, disk: null });
     this.asked.forEach(({ verb, reject }, id) => {
-      if (verb !== "target" && verb !== "run" && verb !== "stop") return;
+      if (!["target", "fit", "run", "stop"].includes(verb)) return;
       this.asked.delete(id);
       reject(new Problem({ message: "The workbench was restarted: ask again." }));
     });

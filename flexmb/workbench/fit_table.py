@@ -1,0 +1,86 @@
+"""Names of a document fitted to a table of measurements."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import jax.numpy as jnp
+
+from ..display import short
+from ..errors import ModelError, heard
+from ..identification.fit import fit
+from ..identification.fitted import Fit
+from ..identification.study_data import measured_table
+from ..linear.linearize import linearize
+from ..model.model import Model
+from ..plot.answer import image_of
+from .building import build, numbers_of
+from .document import Document
+from .targets import bounds_of
+from .traced import answer_of, increment_of
+from .wants import checked_free, number_like
+
+LEVEL = 0.95
+
+
+def fitted_names(
+    document: Document, file: str, text: str, free: Sequence[str], node: str | None = None
+) -> dict[str, Any]:
+    """Fit names to the text of a CSV file, as :func:`flexmb.fit` does.
+
+    Returns:
+        "status", "title", "text", "rows" (a line for each name), "picture" (SVG), and "ops" that would write the fitted
+        values into the document.
+    """
+    built = build(document)
+    if built.problems:
+        raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
+    numbers = numbers_of(document)
+    names = checked_free(document, free)
+    bounds = {name: bounds_of(document, name, numbers)[0] for name in names}
+    start = {name: float(numbers[f"names/{name}/value"]) for name in names}
+
+    def model_of(**values: Any) -> Model:
+        return build(document, numbers_of(document, values)).builder.build()
+
+    def answers(questions: list[str]) -> Any:
+        functions = [answer_of(question, node) for question in questions]
+
+        def computed(model: Model) -> Any:
+            lin = linearize(model, increment=increment_of(model))
+            return jnp.stack([jnp.asarray(function(lin), float) for function in functions])
+
+        return computed
+
+    with heard() as said:
+        found = fit(model_of, measured_table(file, text, answers), start, bounds, throw=False)
+    good = found.result.name in ("successful", "poor_fit")
+    ops = [
+        {"op": "name", "name": name, "to": {**entry, "value": number_like(entry["value"], float(value), 7)}}
+        for name, value in found.parameters.items()
+        if (entry := document.names[name])
+    ]
+    return {
+        "status": "done" if good else "failed",
+        "title": f"Fit to {file}",
+        "text": "\n".join([*_told(found), *dict.fromkeys(said)]),
+        "rows": [_row(found, name, start[name]) for name in found.labels],
+        "picture": image_of(found, "svg").decode(),
+        "ops": ops if good else [],
+    }
+
+
+def _told(found: Fit) -> list[str]:
+    summary = found.summary()
+    return [summary.title, *(f"{name}: {text}" for name, text in summary.rows.items() if name not in found.labels)]
+
+
+def _row(found: Fit, name: str, before: float) -> dict[str, str]:
+    ends = found.interval(name, LEVEL)
+    return {
+        "name": name,
+        "before": short(before),
+        "fitted": short(float(found.parameters[name])),
+        "deviation": short(float(found.deviation[name])),
+        f"{100 * LEVEL:g} % from": short(ends[0]),
+        "to": short(ends[1]),
+    }
