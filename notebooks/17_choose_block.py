@@ -106,6 +106,8 @@ plt.show()
 # sway, by $2a\nu^2$ in bending to an arc, and by $\nu^2\,(1 - (1 - a)^3 + a^3)$ under a force at an end that may turn.
 # The rotation of a pivot combines the first two. A leaf spring that meets the axis at $\lambda$ has the stiffness
 # $\tfrac{EI}{L}\,(1 + 12\,(\lambda - \tfrac12)^2)$: the first term is the arc, the second one sway.
+#
+# A neck that is wide compared with $\sqrt{Rt}$ bends as a plate too, except near its edges (THEORY.md, (2.60)).
 
 # %%
 nu = float(steel.poisson())
@@ -122,9 +124,10 @@ EI = steel.E * width * thickness**3 / 12
 EI_wire = steel.E * np.pi * wire.diameter**4 / 64
 near = 0.02 / length
 hinge = 2 * steel.E * notch["width"] * notch["neck"] ** 2.5 / (9 * np.pi * notch["radius"] ** 0.5)
+plate = 1 / (1 - nu**2 * (1 - 3.1 * (notch["radius"] * notch["neck"]) ** 0.5 / notch["width"]))
 sway, arc = stiffer("sway"), stiffer("arc")
 spoke = stiffer("arc", length / 2), stiffer("sway", length / 2)
-# Formula, its value, and how much stiffer clamps make it.
+# Formula, its value, and how much stiffer clamps, or the width of a neck, make it.
 formulas = {
     "parallel guide": ("24 EI/L³", 24 * EI / length**3, sway),
     "double parallel guide": ("12 EI/L³", 12 * EI / length**3, sway),
@@ -139,8 +142,8 @@ formulas = {
     "cartwheel": ("8 EI/L", 8 * EI / length, (spoke[0] + 3 * spoke[1]) / 4),
     "folded leaf spring": ("3 EI/L³", 3 * EI / length**3, stiffer("force")),
     "wire flexure": ("3 EI/L³", 3 * EI_wire / length**3, 1.0),
-    "notch hinge": ("2 E w t^2.5/(9π√R)", hinge, 1.0),
-    "notch four-bar": ("4 k_h/L²", 4 * hinge / 0.05**2, 1.0),
+    "notch hinge": ("2 E w t^2.5/(9π√R)", hinge, plate),
+    "notch four-bar": ("4 k_h/L²", 4 * hinge / 0.05**2, plate),
 }
 deviations, table = {}, [f"{'':45} {'beam':>10} {'clamped':>10} {'computed':>10}"]
 for name, (text, beam, factor) in formulas.items():

@@ -146,7 +146,7 @@ def warn_of_ends(described: Description) -> None:
             faults = _about_skew(
                 np.asarray(skew, float), sizes[:, 0], min(whole), np.atleast_2d(np.asarray(clamped))[0]
             )
-            if np.any(np.asarray(skew)) and (stroke := _stroke(described)) > LONGEST_STROKE * float(length):
+            if np.any(np.asarray(skew)) and (stroke := prescribed_stroke(described)) > LONGEST_STROKE * float(length):
                 faults.append(
                     f"a skew cut at a prescribed stroke of {stroke / float(length):.2g} of its length, where its"
                     " stiffness across the stroke may be 30 % too low"
@@ -165,7 +165,7 @@ def warn_of_ends(described: Description) -> None:
             _check_stiff(name, member, float(length))
 
 
-def _stroke(described: Description) -> float:
+def prescribed_stroke(described: Description) -> float:
     """Return the largest known prescribed displacement of a node [m]."""
     given = [entry for loads in described.loads.values() for entry in loads.get("prescribed", {}).items()]
     points = [value for (kind, of, _), value in given if kind == "node" and described.nodes[of].kind.part == "position"]

@@ -162,6 +162,20 @@ def test_twisted_leaf_spring_beside_solid_elements():
     np.testing.assert_allclose(found, solid, rtol=0.01)
 
 
+def test_initial_twist_at_a_stroke_warns():
+    def twisted(degrees, stroke):
+        section = fm.Rectangle(0.018, 0.5e-3, STEEL)
+        twist = (np.radians(degrees) / 0.1, 0.0, 0.0)
+        b = one(spatial.leaf_spring, (0.1, 0, 0), lambda s: twist, section, y=(0, 1, 0))
+        b.prescribe("tip", "z", stroke)
+        return b
+
+    with pytest.warns(fm.BeamTheoryWarning, match="initial twist of 30 degrees, and a prescribed stroke of 0.05 of"):
+        twisted(30, 0.005).build()
+    for quiet in ((30, 0.0005), (2, 0.005)):
+        twisted(*quiet).build()
+
+
 @pytest.mark.parametrize("curvature", [20.0, 0.0])
 def test_energy_of_a_curved_strip(curvature):
     """(2.44) by hand, its quadratic part in the matrix: energy of both for strains that do not vary."""
