@@ -139,7 +139,7 @@ def test_what_is_not_judged_is_said(page):
     np.testing.assert_allclose(found.curves["stress"], page.curves["stress"], rtol=1e-4, atol=1e-3)
     assert found.not_judged == ("stress of 'stack'",)
     assert found.summary().title.endswith("good enough; not judged: stress of 'stack'")
-    assert "no shape" in found.summary().rows["not answered"]
+    assert "without a shape" in found.summary().rows["not answered"]
     assert plain(found.to_dict())["not_judged"] == ["stress of 'stack'"]
     assert page.not_judged == ()
     silent = fm.verdict(guide(material=dataclasses.replace(STEEL, fatigue=None)), {"P.x": DELTA}, steps=1)
@@ -372,7 +372,7 @@ def test_what_cannot_be_asked_is_refused(stroke, more, expected, said):
     ("limits", "said"),
     [
         ({"stif": 1.0}, "There are: force, drive stiffness"),
-        ({"force": -1.0}, "must be positive"),
+        ({"force": -1.0}, "must be a positive number"),
         ({"force": (None, None)}, r"\(None, None\)"),
         ({"force": (5.0, 1.0)}, "lower 5 is not below upper 1"),
     ],

@@ -703,7 +703,7 @@ def test_an_element_without_stress_is_left_out():
     b.node("b", (1, 0))
     b.add(planar.truss, "a", "b", section=fm.Rigidity(EA=1.0))
     b.fix("a")
-    with pytest.raises(fm.ModelError, match="no shape"):
+    with pytest.raises(fm.ModelError, match="without a shape"):
         fm.stress(b.build(check=False))
 
 

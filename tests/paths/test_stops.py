@@ -169,7 +169,7 @@ def test_what_is_not_met_is_said():
     for wrong, match in (({"stop": 1.0}, "values by name"), ({"imperfection": 1e-3}, "lengths by mode")):
         with pytest.raises(TypeError, match=match):
             fm.path(STEEP, **wrong)
-    with pytest.raises(fm.ModelError, match="no shape"):
+    with pytest.raises(fm.ModelError, match="without a shape"):
         fm.path(FLAT, stop={"stress": 1e6})
 
 

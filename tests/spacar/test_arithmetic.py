@@ -113,7 +113,7 @@ def test_random_ones_too(seed):
         ("flag", "must be one number"),
         ("list", "must be one number"),
         ("word", "must be one number"),
-        ("far", "none"),
+        ("far", "not a number"),
         ("\x1b[31m", r"\\x1b"),
     ],
 )

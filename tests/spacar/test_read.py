@@ -777,7 +777,7 @@ def test_components_of_a_spatial_rotation_keep_their_meaning_with_a_warning():
 
 
 def test_an_input_on_what_a_file_holds():
-    with pytest.raises(fm.SpacarError, match=r"text:15: INPUTF: input 1: coordinate 2 is held"):
+    with pytest.raises(fm.SpacarError, match=r"text:15: INPUTF: input 1: coordinate 2 is fixed or prescribed"):
         fm.read_spacar(SIGNALS.format(input="1 2", output="3 2"))
 
 
