@@ -121,7 +121,7 @@ def test_a_response_in_millimetres_is_read_in_si_units(tmp_path):
 
 def test_universal_files_that_cannot_be(response, tmp_path):
     pytest.importorskip("pyuff")
-    with pytest.raises(ValueError, match=r"\.uff or \.unv"):
+    with pytest.raises(ValueError, match=r"\.uff, \.unv or \.csv"):
         response.save(tmp_path / "plant.txt")
     with pytest.raises(FileNotFoundError, match="nowhere"):
         response.save(tmp_path / "nowhere" / "plant.uff")
