@@ -25,7 +25,7 @@ LEAST_DAMPING, FIRST_DAMPING = 1e-14, 1e-3
 REFUSED_COST = 1e-7
 
 
-class Ends(NamedTuple):
+class EndsOfSearches(NamedTuple):
     """Ends of the searches of several sets of values.
 
     Attributes:
@@ -44,7 +44,7 @@ class Ends(NamedTuple):
 
 
 @unguarded
-def repeated(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
+def repeated(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfSearches:
     """Search from scaled parameters, (n,), for each set of measured values, (sets, m)."""
     if len(sets) < FEW:
         return _by_scipy(problem, unit, sets)
@@ -52,13 +52,13 @@ def repeated(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
     failed = np.flatnonzero(~ends.converged)
     if len(failed):
         again = _by_scipy(problem, unit, sets[failed])
-        ends = Ends(*(np.array(part) for part in ends))
+        ends = EndsOfSearches(*(np.array(part) for part in ends))
         for part, other in zip(ends, again, strict=True):
             part[failed] = other
     return ends
 
 
-def _by_scipy(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
+def _by_scipy(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfSearches:
     found = [problem.solve(unit, values=values) for values in sets]
     squares, roots = [], []
     for solution, values in zip(found, sets, strict=True):
@@ -67,10 +67,10 @@ def _by_scipy(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
         roots.append(np.linalg.qr(weighted_slopes(rows, slopes, problem.loss), mode="r"))
     units = np.array([one.unit for one in found])
     costs, converged = np.array([one.cost for one in found]), np.array([one.converged for one in found])
-    return Ends(units, costs, np.array(squares), np.array(roots), converged)
+    return EndsOfSearches(units, costs, np.array(squares), np.array(roots), converged)
 
 
-def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
+def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfSearches:
     rows, slopes, _ = problem.residuals(unit, sets[0])
     # Rows of priors do not depend on the set.
     rows = np.tile(rows, (len(sets), 1))
@@ -80,7 +80,9 @@ def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> Ends:
     places = [np.minimum(np.arange(first, first + TOGETHER), count - 1) for first in range(0, count, TOGETHER)]
     program = _program(problem)
     done = each(lambda own: program(sets[own], rows[own], slopes, unit), places, cores())
-    return Ends(*(np.concatenate([np.asarray(part) for part in parts])[:count] for parts in zip(*done, strict=True)))
+    return EndsOfSearches(
+        *(np.concatenate([np.asarray(part) for part in parts])[:count] for parts in zip(*done, strict=True))
+    )
 
 
 @functools.lru_cache(maxsize=4)

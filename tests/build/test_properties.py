@@ -340,7 +340,7 @@ def test_deformations_that_do_not_vanish_undeformed():
     b.fix("A")
     b.fix("B", "y")
     with pytest.raises(
-        fm.ModelError, match=r"Deformation 1 of element 'bar' \(length_itself\) is 0.1 where it must be zero"
+        fm.ModelError, match=r"Deformation 1 of element 'bar' \(length_itself\) is 0.1 but must be zero"
     ):
         b.build()
 

@@ -77,7 +77,7 @@ def test_a_new_file_is_a_new_question(dropped):
 def test_names_of_questions_are_told():
     assert question.asked("stiffness top.phi").unit == "N m/rad"
     assert question.asked("top.x").unit == "m"
-    for text, fault, words in (("colour", KeyError, "ask for .*frequency"), ("time", ValueError, "of a motion")):
+    for text, fault, words in (("colour", KeyError, "ask for .*frequency"), ("time", ValueError, "for a motion")):
         with pytest.raises(fault, match=words):
             question.asked(text)
     assert question.names_of("motion")[:2] == ["elastic", "energy"]

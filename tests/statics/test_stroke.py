@@ -86,7 +86,7 @@ def test_loads_beyond_the_limit_are_told_apart():
     # The last one from the first.
     heights = np.asarray(found.at("apex")[:, 1])[[0, 2]]
     np.testing.assert_allclose(load_at(heights), limit * shares[[0, 2]], rtol=1e-9)
-    with pytest.raises(fm.AnalysisError, match=r"number 1 is the first .* for load factor 1\.5") as told:
+    with pytest.raises(fm.AnalysisError, match=r"number 1 was the first .* at load factor 1\.5") as told:
         fm.equilibria(model, load_factor=shares)
     # Load steps end below the limit load, by their smallest share of the way at most, and the model has no laws.
     reached = float(re.findall(r"reached load factor ([\d.]+)\. fm\.path goes past a limit load", str(told.value))[0])

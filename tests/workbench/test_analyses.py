@@ -115,7 +115,7 @@ def test_options_are_checked_by_name(options, said):
 
 def test_a_document_with_problems_names_them():
     document = having(FORCE, ("mass", {"node": "left1", "mass": "heavy"}))
-    with pytest.raises(fm.ModelError, match="not complete: 'heavy' asks for 'heavy'"):
+    with pytest.raises(fm.ModelError, match="not complete: 'heavy' needs 'heavy'"):
         ran(document, "frequencies")
 
 
