@@ -668,7 +668,7 @@ def test_refusals():
     assert fm.linear.section_resultants(model).names == ("leaf 0", "leaf 1", "numbers")
     with pytest.raises(ValueError, match="`points` must be at least 2"):
         fm.linear.section_resultants(model, points=1)
-    with pytest.raises(fm.ModelError, match="without a shape"):
+    with pytest.raises(fm.ModelError, match="has no shape"):
         fm.Rigidity().stress(jnp.zeros(6))
     rigid = fm.Builder()
     rigid.node("a", (0, 0))
