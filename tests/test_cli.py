@@ -825,7 +825,7 @@ def test_an_output_that_cannot_be_given_has_a_status(tmp_path):
     result = call("run", path, "--mode", "9", "--json", "-")
     data = json.loads(result.stdout)
     assert (result.exit_code, data["status"]) == (1, "not_valid")
-    assert result.stderr.startswith("held.dat: not_valid: Output 'acceleration 3.1' takes the ")
+    assert result.stderr.startswith("held.dat: not_valid: Output 'acceleration 3.1' needs the ")
 
 
 # A wheel on a torsion spring.

@@ -9,7 +9,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..checks.mobility import mobility, removals
-from ..display import among
+from ..display import among, counted
 from ..elements import spatial
 from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
 from ..errors import MechanismError, ModelError
@@ -72,7 +72,7 @@ def _complete(script: Script, releases: Releases) -> Releases:
 
 
 def _loose(found: Any) -> str:
-    lines = [f"The mechanism is under-constrained: {found.underconstraints} motions are free."]
+    lines = [f"The mechanism is under-constrained: {counted(found.underconstraints, 'free motion')}."]
     for i in range(found.underconstraints):
         moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))
         parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i))
