@@ -4133,7 +4133,16 @@ FAULTS = [
         "identification/test_repeated.py -k closed_form",
     ),
     Fault(
-        "identification/fitted.py", "ends.squares / max(", "ends.squares + 0 * max(", "identification/test_repeated.py"
+        "identification/fitted.py",
+        "np.sqrt(squares / max(",
+        "np.sqrt(squares + 0 * max(",
+        "identification/test_repeated.py",
+    ),
+    Fault(
+        "identification/fitted.py",
+        "ends.converged & ~refused",
+        "ends.converged | refused",
+        "identification/test_repeated.py -k impossible",
     ),
     Fault(
         "identification/fit.py", "not one.converged, one.cost", "one.converged, one.cost", "identification/test_fit.py"

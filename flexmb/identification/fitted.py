@@ -7,7 +7,9 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_number, check_whole
+from ..design.designs import numbers
 from ..design.evaluate import Answers, named_answers
+from ..design.possible import refusal
 from ..display import Result, Summary
 from ..errors import clean
 from ..numerical_limits import OUTLIER, PART_IN_COMBINATION
@@ -343,22 +345,27 @@ class Fit(Result):
             Refitted, with the parameters of each set.
 
         Raises:
-            ValueError: A set has another number of values.
+            ValueError: There is no set, a set has another number of values, or a value is not finite.
         """
-        sets = np.atleast_2d(np.asarray(values, float))
-        if sets.ndim != 2 or sets.shape[1] != len(self.problem.measured):
+        sets = np.atleast_2d(numbers("Sets of values", values))
+        if sets.ndim != 2 or not len(sets) or sets.shape[1] != len(self.problem.measured):
             raise ValueError(f"Give sets of {len(self.problem.measured)} values each, not an array of {sets.shape}.")
+        if len(wrong := np.argwhere(~np.isfinite(sets))):
+            row, place = wrong[0]
+            raise ValueError(f"Value {place + 1} of set [{row}] is {sets[row, place]}. Leave this set out.")
         ends = repeated(self.problem, self.unit, sets)
-        noise = np.full(len(sets), self.noise)
+        noise, squares = np.full(len(sets), self.noise), ends.squares
         if not np.isfinite(self.chi_squared):
-            noise = np.sqrt(ends.squares / max(self.freedom, 1))
+            noise, squares = np.sqrt(squares / max(self.freedom, 1)), np.full(len(sets), np.nan)
         scaling, layout = self.problem.scaling, self.problem.layout
         deviations = [
             scaled_deviations(root, one or np.finfo(float).tiny) * scaling.slopes(unit)
             for root, one, unit in zip(ends.roots, noise, ends.units, strict=True)
         ]
-        flat = scaling.to_dimensions(ends.units)
-        return Refitted(layout.stacked(flat), layout.stacked(deviations), ends.costs, ends.converged)
+        parameters = layout.stacked(scaling.to_dimensions(ends.units))
+        # The traced build of the search cannot check numbers.
+        refused = refusal(self.problem.build, self.problem.models, layout.split(self.problem.first))(parameters)
+        return Refitted(parameters, layout.stacked(deviations), squares, ends.converged & ~refused)
 
     def summary(self) -> Summary:
         """Return parameters with standard deviations, and chi-squared."""
@@ -426,8 +433,8 @@ class Refitted:
     Attributes:
         parameters: Parameters by name, (sets, ...) [SI].
         deviation: Standard deviations by name, (sets, ...) [SI]; infinite if the data do not determine a parameter.
-        chi_squared: Chi-squared of each set, (sets,) [-].
-        converged: Whether each search ended by its tolerances, (sets,).
+        chi_squared: Chi-squared of each set, (sets,) [-]; NaN if the scatter is not known.
+        converged: Whether each search ended by its tolerances, at parameters of a possible mechanism, (sets,).
     """
 
     parameters: dict[str, np.ndarray]

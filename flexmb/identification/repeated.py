@@ -30,14 +30,12 @@ class EndsOfSearches(NamedTuple):
 
     Attributes:
         units: Scaled parameters, (sets, n).
-        costs: Sums of squared weighted differences, after the robust loss, (sets,).
-        squares: The same without robust loss, (sets,).
+        squares: Sums of squared weighted differences, without robust loss, (sets,).
         roots: Matrices R with R^T R = J^T J, where J contains the weighted slopes, (sets, n, n).
         converged: Whether the search ended by its tolerances, (sets,).
     """
 
     units: np.ndarray
-    costs: np.ndarray
     squares: np.ndarray
     roots: np.ndarray
     converged: np.ndarray
@@ -65,9 +63,8 @@ def _by_scipy(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOf
         rows, slopes, _ = problem.residuals(solution.unit, values)
         squares.append(np.sum(rows**2))
         roots.append(np.linalg.qr(weighted_slopes(rows, slopes, problem.loss), mode="r"))
-    units = np.array([one.unit for one in found])
-    costs, converged = np.array([one.cost for one in found]), np.array([one.converged for one in found])
-    return EndsOfSearches(units, costs, np.array(squares), np.array(roots), converged)
+    units, converged = np.array([one.unit for one in found]), np.array([one.converged for one in found])
+    return EndsOfSearches(units, np.array(squares), np.array(roots), converged)
 
 
 def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfSearches:
@@ -153,7 +150,7 @@ def _every(problem: FitProblem) -> Callable[..., Any]:
         first = _Point(unit, rows, slopes, cost_of(rows), jnp.asarray(LEAST_DAMPING), no, jnp.asarray(0), no)
         end = jax.lax.while_loop(lambda point: ~point.converged & (point.steps < MOST_STEPS), step, first)
         weighted = end.slopes * jnp.sqrt(robust(end.rows, loss)[1])[:, None]
-        return end.unit, end.cost, jnp.sum(end.rows**2), jnp.linalg.qr(weighted, mode="r"), end.converged
+        return end.unit, jnp.sum(end.rows**2), jnp.linalg.qr(weighted, mode="r"), end.converged
 
     def every(sets: Float[Array, "sets m"], rows: Array, slopes: Float[Array, "m n"], unit: Float[Array, "n"]):
         return jax.lax.map(lambda own: search(own[0], own[1], slopes, unit), (sets, rows))

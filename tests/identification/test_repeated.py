@@ -82,3 +82,41 @@ def test_undetermined_parameters_of_many_sets_have_infinite_deviations():
     product = found.parameters["first"] * found.parameters["second"]
     assert 1 / product == pytest.approx(SETS @ LOADS / (LOADS @ LOADS), rel=1e-6)
     assert np.all(np.isinf(found.deviation["first"]) & np.isinf(found.deviation["second"]))
+
+
+@pytest.mark.parametrize("count", [5, len(SETS)])
+def test_chi_squared_of_many_sets_is_that_of_a_fit(count):
+    robust = fitted(loss="huber", deviation=SCATTER / STIFFNESS).again(SETS[:count])
+    differences = LOADS / robust.parameters["stiffness"][:, None] - SETS[:count]
+    # Chi-squared of a fit leaves out the robust loss.
+    assert robust.chi_squared == pytest.approx(np.sum((differences * STIFFNESS / SCATTER) ** 2, axis=1), rel=1e-8)
+    assert np.all(np.isnan(fitted().again(SETS[:count]).chi_squared))
+
+
+def test_wrong_sets_are_named():
+    found = fitted(loss="cauchy", deviation=SCATTER / STIFFNESS)
+    gap = SETS.copy()
+    gap[3, 1] = np.nan
+    for sets, words in (
+        (gap, r"Value 2 of set \[3\] is nan\. Leave this set out"),
+        (np.full((1, 5), np.inf), r"Value 1 of set \[0\] is inf"),
+        (np.zeros((0, 5)), r"Give sets of 5 values each, not an array of \(0, 5\)"),
+        (np.zeros((2, 4)), r"Give sets of 5 values each, not an array of \(2, 4\)"),
+        (SETS.astype(complex), "Sets of values must be numbers"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            found.again(sets)
+
+
+@pytest.mark.parametrize("count", [5, len(SETS)])
+def test_parameters_of_an_impossible_mechanism_are_no_fit(count):
+    def inertia(model):
+        return fm.linearize(model).M0[0, 0] * LOADS
+
+    data = fm.measured(inertia, 4 * LOADS, SCATTER, name="inertia")
+    fit = fm.fit(lambda mass: cart_on_rod(STIFFNESS, mass, 1.0).build(), data, {"mass": 3.0}, {"mass": (-5.0, 10.0)})
+    sets = np.tile(4 * LOADS, (count, 1))
+    sets[3] = -LOADS
+    found = fit.again(sets)
+    assert found.parameters["mass"][:5] == pytest.approx([4, 4, 4, -1, 4])
+    assert np.flatnonzero(~found.converged).tolist() == [3]
