@@ -4671,6 +4671,13 @@ FAULTS = [
         "difference = rows[good]",
         "design/test_scatter.py -k square",
     ),
+    Fault(
+        "design/robust.py",
+        "np.clip(np.quantile(values, share), low, high)",
+        "np.quantile(values, share)",
+        "design/test_scatter.py -k beyond_all",
+    ),
+    Fault("design/problem.py", "np.any(np.isnan(numbers_of))", "False", "design/test_scatter.py -k no_numbers"),
     Fault("design/robust.py", "fine &= rows <= np", "fine &= rows >= np", "design/test_scatter.py -k percentiles"),
     Fault(
         "design/statistics.py",

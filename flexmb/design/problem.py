@@ -196,8 +196,13 @@ def limits_of(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
         raise ValueError(f"Limits of '{name}' {wanted}, but are {clean(repr(pair))}.") from None
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None. Leave them out.")
-    if lower is not None and upper is not None:
-        low, high = _entries(name, shape, lower, "lower limit"), _entries(name, shape, upper, "upper limit")
-        if not np.all(low < high):
-            raise ValueError(f"Limits of '{name}' are empty: lower {lower} is not below upper {upper}; see `equal`.")
+    low, high = (
+        value if value is None else _entries(name, shape, value, f"{side} limit")
+        for side, value in (("lower", lower), ("upper", upper))
+    )
+    for side, numbers_of in (("lower", low), ("upper", high)):
+        if numbers_of is not None and np.any(np.isnan(numbers_of)):
+            raise ValueError(f"The {side} limit of '{name}' is NaN. Give a number, or None for none.")
+    if low is not None and high is not None and not np.all(low < high):
+        raise ValueError(f"Limits of '{name}' are empty: lower {lower} is not below upper {upper}; see `equal`.")
     return lower, upper

@@ -18,8 +18,9 @@ from .scatter import Scatter, nominal_values
 from .sweep import sweep
 from .swept import Sweep
 
-# Percentiles of a summary.
+# Percentiles of a summary, and random mechanisms by default.
 SHOWN = (5.0, 50.0, 95.0)
+SAMPLES = 100_000
 
 
 class Estimate(NamedTuple):
@@ -81,8 +82,9 @@ class Robustness(Result):
         values = np.sort(self._known(name))
         lower, upper = binom.ppf([(1 - self.level) / 2, (1 + self.level) / 2], len(values), share)
         ends = np.concatenate([[-np.inf], values, [np.inf]])
-        ends = ends[int(lower)], ends[min(int(upper) + 1, len(values) + 1)]
-        return Estimate(float(np.quantile(values, share)), float(ends[0]), float(ends[1]))
+        low, high = ends[int(lower)], ends[min(int(upper) + 1, len(values) + 1)]
+        # Beyond all samples, interpolation between the two outermost samples would leave the interval.
+        return Estimate(float(np.clip(np.quantile(values, share), low, high)), float(low), float(high))
 
     def mean(self, name: str) -> Estimate:
         """Return the mean of one number of an answer.
@@ -146,7 +148,7 @@ def robustness(
     scatter: Scatter,
     *,
     limits: Mapping[str, Any] | None = None,
-    samples: Annotated[int, partial(check_whole, least=2, most=MOST)] = 100_000,
+    samples: Annotated[int, partial(check_whole, least=2, most=MOST)] = SAMPLES,
     seed: WholeFromZero = 0,
     level: float = 0.95,
     chunk: Count = 1024,

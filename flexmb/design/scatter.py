@@ -163,7 +163,10 @@ def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n
     try:
         return np.linalg.cholesky(matrix)
     except np.linalg.LinAlgError:
-        raise ValueError("The correlations contradict each other: their matrix is not positive definite.") from None
+        raise ValueError(
+            "The correlations contradict each other: their matrix is not positive definite. A pair that is not given"
+            " has no correlation."
+        ) from None
 
 
 def moments(scatter: Scatter, values: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray]:

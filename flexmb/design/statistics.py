@@ -4,6 +4,7 @@ All designs of a search use the same random numbers. The statistics therefore de
 """
 
 import dataclasses
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -21,6 +22,8 @@ from .problem import limits_of
 from .scatter import Scatter, applied, even_scores
 
 YIELD = "yield"
+# Made mechanisms of each design of a search, by default.
+SAMPLES = 128
 WORDS = r"(mean|deviation|percentile (\d+(?:\.\d+)?)) (.+)"
 
 
@@ -47,6 +50,11 @@ def statistic_of(text: str, answers: Mapping[str, Any]) -> Statistic | None:
     if found[2] and not 0 < percent < 100:
         raise ValueError(f"'{clean(text)}': a percentile is between 0 and 100.")
     return Statistic(found[1].split()[0], percent, found[3])
+
+
+def samples_for(percent: float) -> int:
+    """Return the least number of samples of which one is expected beyond a percentile."""
+    return math.ceil((1 - 1e-9) / min(percent / 100, 1 - percent / 100))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,10 +152,8 @@ def sampled_of(
         if name not in answers:
             raise ValueError(f"Acceptable '{clean(name)}': there is no such answer ({', '.join(answers)}).")
     for text, one in statistics.items():
-        least = 1 / min(one.percent / 100, 1 - one.percent / 100) if one.kind == "percentile" else 0
-        if samples < (1 - 1e-9) * least:
-            enough = f"Give `samples`, {np.ceil((1 - 1e-9) * least):.0f} or more."
-            raise ValueError(f"'{clean(text)}' lies beyond {samples} samples. {enough}")
+        if one.kind == "percentile" and samples < (least := samples_for(one.percent)):
+            raise ValueError(f"'{clean(text)}' lies beyond {samples} samples. Give `samples`, {least} or more.")
     for name in scatter.spreads:
         if name not in dimensions and name not in scatter.nominal:
             raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")

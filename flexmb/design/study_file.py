@@ -9,15 +9,19 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import StudyError, clean
 from ..files import read_whole
 from ..questions.question import Asked, Question, questions
 from .designs import MOST
 from .evaluate import check_dimensions, check_names
+from .robust import SAMPLES
 from .scatter import Scatter
+from .statistics import YIELD
 from .study import Study
 from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
-from .study_scatter import as_percentiles, check_statistic, scatter_of
+from .study_scatter import as_percentiles, check_samples, check_statistic, scatter_of
 from .study_values import (
     Kind,
     as_choice,
@@ -166,8 +170,9 @@ class StudyReader:
             fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
             answers = {name: self.answer(name, given) for name, given in self.data["answers"].items()}
             choices = self.choices(tuple(parameters))
+            taken = (YIELD,) if self.data.get("acceptable") else ()
             try:
-                check_names((*parameters, *choices), tuple(answers), ())
+                check_names((*parameters, *choices), tuple(answers), taken)
             except ValueError as fault:
                 raise StudyError(f"[answers] {fault}") from None
             values = {name: given["value"] for name, given in parameters.items()}
@@ -255,6 +260,8 @@ class StudyReader:
         for name in given:
             if name in choices:
                 raise StudyError(f"[scatter] {clean(name)}: a choice has no scatter. Give one value as a parameter.")
+        for percent in self.data.get("robustness", {}).get("percentiles", ()):
+            check_samples(f"[robustness] percentiles: {percent:g} %", "robustness", percent, self.data, SAMPLES)
         return scatter_of(given, self.data.get("correlation", {}), values, free)
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
@@ -330,7 +337,9 @@ class StudyReader:
             if not isinstance(given, dict) or not given:
                 raise StudyError(f"{key} must be a table with lower, upper or both.")
             pair = checked_table(key, given, LIMIT)
-            found[name] = (pair.get("lower"), pair.get("upper"))
+            lower, upper = found[name] = pair.get("lower"), pair.get("upper")
+            if lower is not None and upper is not None and not _below(lower, upper):
+                raise StudyError(f"{key}: lower {clean(lower)} is not below upper {clean(upper)}.")
         return found
 
     def _check_wanted(self, key: str, name: str, answers: tuple[str, ...]) -> None:
@@ -364,6 +373,14 @@ def _key_of_name(table: str, name: str, what: str) -> str:
     if not name.isidentifier() or name == "pi":
         raise StudyError(f"{key}: a {what}'s name has letters, digits and _ alone, and is not pi.")
     return key
+
+
+def _below(lower: Any, upper: Any) -> bool:
+    """Return whether numbers or arrays are below others; arrays of different lengths are not."""
+    try:
+        return bool(np.all(np.less(lower, upper)))
+    except ValueError:
+        return False
 
 
 def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from ..errors import StudyError, clean, first_line
-from .scatter import Scatter, scatter
-from .statistics import YIELD, statistic_of
+from .evaluate import layout_of
+from .scatter import Scatter, correlation_root, scatter
+from .statistics import SAMPLES, YIELD, samples_for, statistic_of
 from .study_values import as_number, as_text
 
 
@@ -60,19 +61,33 @@ def scatter_of(
             except ValueError as fault:
                 raise StudyError(f"{key}: {first_line(fault)}") from None
     nominal = {name: values[name] for name in spreads if name not in free}
-    return scatter(spreads, correlation=pairs, nominal=nominal)
+    made = scatter(spreads, correlation=pairs, nominal=nominal)
+    try:
+        correlation_root(made, layout_of({name: values[name] for name in spreads}))
+    except ValueError as fault:
+        raise StudyError(f"[correlation]: {first_line(fault)}") from None
+    return made
 
 
 def check_statistic(key: str, name: str, answers: Iterable[str], tables: Mapping[str, Any]) -> bool:
     """Return whether a name is a statistic of made mechanisms; StudyError if its tables are missing."""
     named = dict.fromkeys(answers)
     try:
-        found = name == YIELD or statistic_of(name, named) is not None
+        asked = statistic_of(name, named)
     except ValueError as fault:
         raise StudyError(f"{key}: {first_line(fault)}") from None
-    if not found or name in named:
+    if (asked is None and name != YIELD) or name in named:
         return False
     for table in ("scatter", *(["acceptable"] if name == YIELD else [])):
         if not tables.get(table):
             raise StudyError(f"{key}: '{clean(name)}' is about made mechanisms. It needs [{table}].")
+    if asked is not None and asked.kind == "percentile":
+        check_samples(f"{key}: '{clean(name)}'", "tune", asked.percent, tables, SAMPLES)
     return True
+
+
+def check_samples(what: str, table: str, percent: float, tables: Mapping[str, Any], default: int) -> None:
+    """Refuse a percentile beyond the samples of a table."""
+    samples, least = tables.get(table, {}).get("samples", default), samples_for(percent)
+    if samples < least:
+        raise StudyError(f"{what} lies beyond {samples} samples. Give [{table}] samples, {least} or more.")

@@ -40,7 +40,7 @@ from .scaling import Scaling
 from .scatter import Scatter
 from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
-from .statistics import SampledDesign, sampled_of
+from .statistics import SAMPLES, SampledDesign, sampled_of
 from .tuned import Combination, Tuned
 
 # Names in a history, beside the names of dimensions and answers.
@@ -63,7 +63,7 @@ def tune(
     equal: Mapping[str, Any] | None = None,
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
     scatter: Scatter | None = None,
-    samples: Annotated[int, partial(check_whole, least=8)] = 128,
+    samples: Annotated[int, partial(check_whole, least=8)] = SAMPLES,
     acceptable: Mapping[str, Any] | None = None,
     optimizer: Any = None,
     starts: Count = 1,

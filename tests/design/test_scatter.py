@@ -431,6 +431,30 @@ def test_made_mechanisms_that_cannot_be_built_have_no_statistics():
     assert found.dimensions["stiffness"] == pytest.approx(100.0, abs=10.0 / 32)
 
 
+def test_a_percentile_beyond_all_samples_lies_in_its_interval():
+    found = fm.design.robustness(made, {"y": lambda m: m["x"]}, {"x": 1.0}, fm.scatter({"x": 0.1}), samples=50)
+    lowest, highest = np.min(found.samples.answers["y"]), np.max(found.samples.answers["y"])
+    assert found.percentile("y", 0.001) == (pytest.approx(lowest, rel=1e-14), -np.inf, lowest)
+    assert found.percentile("y", 99.999) == (pytest.approx(highest, rel=1e-14), highest, np.inf)
+
+
+@pytest.mark.parametrize("pair", [(np.nan, None), (None, np.nan), (np.nan, 2.0)])
+def test_limits_that_are_no_numbers_are_refused(pair):
+    """No mechanism would be acceptable."""
+    scatter, answers = fm.scatter({"x": 0.1}), {"y": lambda m: m["x"]}
+    with pytest.raises(ValueError, match="limit of 'y' is NaN"):
+        fm.design.robustness(made, answers, {"x": 1.0}, scatter, limits={"y": pair}, samples=10)
+    with pytest.raises(ValueError, match="limit of 'y' is NaN"):
+        fm.tune(made, answers, {"x": 1.0}, {"x": (0, 2)}, maximize="yield", scatter=scatter, acceptable={"y": pair})
+
+
+@pytest.mark.parametrize("pair", [([0.5, 0.6], None), (None, [1.5, 1.6])])
+def test_limits_of_another_shape_are_refused(pair):
+    answers = {"y": lambda m: m["x"]}
+    with pytest.raises(ValueError, match=r"limit of 'y' must be a number or of shape \(\)"):
+        fm.design.robustness(made, answers, {"x": 1.0}, fm.scatter({"x": 0.1}), limits={"y": pair}, samples=10)
+
+
 def test_percentiles_beyond_the_samples_are_refused():
     scatter = fm.scatter({"x": 0.1})
     for text in ("percentile 99.5 y", "percentile 0.5 y"):

@@ -304,7 +304,7 @@ WRONG = [
     ("{ lower = 20.0 }", "{ lower = true }", "[limits] f: lower must be a number"),
     ("{ lower = 20.0 }", "{ lower = [1, 2] }", "The lower limit of 'f' must be a number"),
     ("{ lower = 20.0 }", "{ lower = [[1], [1, 2]] }", "[limits] f: lower has lists of different lengths"),
-    ("{ lower = 20.0 }", "{ lower = 20.0, upper = 10.0 }", "Limits of 'f' are empty"),
+    ("{ lower = 20.0 }", "{ lower = 20.0, upper = 10.0 }", "[limits] f: lower 20.0 is not below upper 10.0"),
     ("[tune]", "[targets]\nf = 'high'\n[tune]", "[targets] f must be a number"),
     ("[tune]", "[targets]\nf = nan\n[tune]", "[targets] f must be a finite number"),
     ("[tune]", "[equal]\ng = 1\n[tune]", "[equal]: There is no answer 'g'"),

@@ -148,6 +148,25 @@ WRONG = [
         "'yield' is about made mechanisms",
     ),
     ("w = 0.018\n", "[choices]\nw = [0.018]\n", "[scatter] w: a choice has no scatter"),
+    ("t.w = 0.5", "'t[0]'.w = 0.5", "[correlation]: Correlation of 't[0]': there is no such parameter"),
+    (
+        "[correlation]\nt.w = 0.5",
+        "l = 1e-4\n[correlation]\nt = { w = 0.9, l = 0.9 }",
+        "[correlation]: The correlations contradict each other: their matrix is not positive definite. A pair that is",
+    ),
+    ("{ lower = 900.0 }", "{ lower = 900.0, upper = 800.0 }", "[acceptable] k: lower 900.0 is not below upper 800.0"),
+    ("[targets]", "[limits]\nk = { lower = 9.0, upper = 8.0 }\n[targets]", "[limits] k: lower 9.0 is not below upper"),
+    (
+        "percentiles = [10, 50]",
+        "percentiles = [50, 99.99]",
+        "[robustness] percentiles: 99.99 % lies beyond 2000 samples. Give [robustness] samples, 10000 or more",
+    ),
+    (
+        "percentile 5 k",
+        "percentile 0.1 k",
+        "[targets]: 'percentile 0.1 k' lies beyond 256 samples. Give [tune] samples, 1000 or more",
+    ),
+    ("[answers]", "[answers]\nyield = { mass = true }", "[answers] Answer 'yield' must have another name"),
 ]
 
 
@@ -158,6 +177,14 @@ def test_wrong_scatter_is_named(study, old, new, words):
     with pytest.raises(StudyError, match=re.escape(words)) as fault:
         read_study(study)
     assert str(fault.value).startswith("study.toml: ")
+
+
+def test_correlations_are_judged_together(study):
+    """Equal correlations of three parameters are possible; two of them without the third are not."""
+    study.write_text(
+        STUDY.replace("[correlation]", "l = 1e-4\n[correlation]\nt.l = 0.9\nw.l = 0.9").replace("0.5\n[a", "0.9\n[a")
+    )
+    assert len(read_study(study).scatter.correlation) == 3
 
 
 @pytest.mark.parametrize("table", ["correlation", "acceptable", "robustness", "tune", "targets"])
