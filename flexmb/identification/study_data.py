@@ -6,6 +6,7 @@ import dataclasses
 import functools
 import io
 import math
+import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,13 @@ from .response_data import measured_response
 # A table of a million rows is smaller.
 LARGEST_TABLE = 64 * 2**20
 SEPARATORS = ";\t,"
+DECIMAL_COMMA = "Numbers need a decimal point: replace decimal commas."
+# Units that a column must not name: pattern of these units, and the right unit.
+OTHER_UNITS = {
+    "phase": (r"\bdeg|°", "rad"),
+    "magnitude": (r"\bdB\b", "SI units"),
+    "hertz": (r"\brad\b|\b[kM]Hz\b", "Hz"),
+}
 
 
 def _texts(key: str, value: Any) -> tuple[str, ...]:
@@ -259,7 +267,7 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
         content = read_whole(path, LARGEST_TABLE)
     what = f"{key}: '{clean(path.name)}'"
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode()
     except ValueError:
         raise StudyError(f"{what} is no text in UTF-8.") from None
     return _columns_of(what, cells_of(what, text), chosen, columns)
@@ -267,7 +275,7 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
 
 def cells_of(what: str, text: str) -> list[tuple[int, list[str]]]:
     """Return number and cells of each line of a CSV text; StudyError if there is none."""
-    lines = text.splitlines()
+    lines = text.removeprefix("\ufeff").splitlines()
     rows = [(i, line) for i, line in enumerate(lines, 1) if line.strip() and not line.lstrip().startswith("#")]
     if not rows:
         raise StudyError(f"{what} is empty.")
@@ -288,8 +296,16 @@ def _columns_of(
         raise StudyError(f"{what} has no line of numbers.")
     wanted = chosen or {name: name for name in columns if name in header}
     if not wanted:
-        raise StudyError(f"{what} has no column {' or '.join(columns)}. Name columns, such as {{ {columns[0]} = 2 }}.")
+        named = f" Its columns are: {clean(', '.join(header))}." if header else ""
+        name = f"Name columns, such as {{ {columns[0]} = 2 }}."
+        raise StudyError(f"{what} has no column {' or '.join(columns)}.{named} {name}")
+    for name, column in wanted.items():
+        pattern, unit = OTHER_UNITS.get(name, ("$^", ""))
+        if isinstance(column, str) and re.search(pattern, column):
+            raise StudyError(f"{what}: column '{clean(column)}' is {name} in another unit. Convert it to {unit}.")
     places = {name: _place(what, header, column) for name, column in wanted.items()}
+    if not by_number:
+        _check_lengths(what, header, cells)
     return {name: np.array([_cell(what, i, row, place, name) for i, row in cells]) for name, place in places.items()}
 
 
@@ -312,6 +328,7 @@ def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable
     (_, header), *rows = cells
     if not rows:
         raise StudyError(f"{what} has no line of numbers.")
+    _check_lengths(what, header, rows)
     place = header.index("answer")
     if short := [i for i, row in rows if place >= len(row)]:
         raise StudyError(f"{what}, line {short[0]}: there is no column {place + 1} for answer.")
@@ -324,6 +341,13 @@ def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable
 def _column(what: str, header: list[str], rows: list[tuple[int, list[str]]], name: str) -> np.ndarray:
     place = _place(what, header, name)
     return np.array([_cell(what, i, row, place, name) for i, row in rows])
+
+
+def _check_lengths(what: str, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
+    """Refuse lines with more cells than names: decimal commas would shift the columns."""
+    for i, row in rows:
+        if any(row[len(header) :]):
+            raise StudyError(f"{what}, line {i} has {len(row)} cells for {len(header)} columns. {DECIMAL_COMMA}")
 
 
 def _place(what: str, header: list[str], column: str | int) -> int:
@@ -343,7 +367,8 @@ def _cell(what: str, line: int, row: list[str], place: int, name: str) -> float:
     text = row[place]
     if not _is_number(text) or not math.isfinite(float(text)):
         shown = f"is '{clean(text)}'" if text else "is empty"
-        raise StudyError(f"{what}, line {line}: {name} {shown}, which is no finite number. Leave the line out.")
+        advice = DECIMAL_COMMA if _is_number(text.replace(",", ".", 1)) and "," in text else "Leave the line out."
+        raise StudyError(f"{what}, line {line}: {name} {shown}, which is no finite number. {advice}")
     return float(text)
 
 

@@ -275,6 +275,15 @@ FAULTS = [
         "a phase is -178, more than two turns. Phases are in radians",
     ),
     ("[data.f]\nmodes = true\nvalues = [40.0, 10.9]\ndeviation = 0.1", "has 40 Hz for mode 1 and"),
+    # Decimal commas, and units that the name of a column states.
+    (CURVE + "file = 'commas.csv'", "'commas.csv', line 2 has 4 cells for 2 columns. Numbers need a decimal point"),
+    (CURVE + "file = 'german.csv'", "'german.csv', line 2: values is '940,0', which is no finite number. Numbers need"),
+    (
+        "[data.r]\nresponse = true\nfile = 'degrees.csv'\n"
+        "columns = { hertz = 'f', magnitude = 'm', phase = 'p [deg]' }",
+        "'degrees.csv': column 'p [deg]' is phase in another unit. Convert it to rad",
+    ),
+    (CURVE + "file = 'degrees.csv'", "has no column values or deviation or over. Its columns are: f, m, p [deg]."),
     (CURVE + "values = 940.0\n[fit]\nlevel = 95.0", "[fit] level must be below 1"),
     (CURVE + "values = 940.0\n[fit]\nloss = 'l1'", "[fit] loss must be"),
 ]
@@ -287,6 +296,9 @@ def test_each_fault_is_one_line(study, tmp_path, text, words):
     (tmp_path / "short.uff").write_text("")
     (tmp_path / "gap.csv").write_text("1e-3,,a\n2e-3,2.0,b\n3e-3,3.0,c\n4e-3,4.0,d\n")
     (tmp_path / "head.csv").write_text("over,values\n")
+    (tmp_path / "commas.csv").write_text("values,deviation\n940,0,9,4\n")
+    (tmp_path / "german.csv").write_text("values;deviation\n940,0;9,4\n")
+    (tmp_path / "degrees.csv").write_text("f,m,p [deg]\n5.0,1.0,-2.5\n")
     given = of_data(text)
     if "curve" in text:
         given = given.replace("w = 0.018\n", "w = 0.018\noffset = 0.0\n")

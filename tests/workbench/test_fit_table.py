@@ -63,6 +63,8 @@ WRONG = [
     ("answer,value,deviation\nfrequency 1,10600,50\n", "'a.csv' are about 1e+03 times"),
     ("answer,value,deviation\n", "'a.csv' has no line of numbers"),
     ("hertz,real\n1,2\n", "give imaginary"),
+    ("\ufeffhertz,real\n1,2\n", "give imaginary"),
+    ("answer,value,deviation\nfrequency 1,10,5,0,1\n", "'a.csv', line 2 has 5 cells for 3 columns"),
 ]
 
 
