@@ -1,13 +1,12 @@
 """Robustness of a design: yield, percentiles and worst cases over many made mechanisms."""
 
 import dataclasses
-from collections.abc import Mapping
 from functools import partial
 from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import Count, WholeFromZero, check_number, check_whole, checked
+from ..arguments import ByName, Count, WholeFromZero, check_number, check_whole, checked
 from ..display import Result, Summary, short
 from ..errors import clean, warn
 from ..results import ANSWERED, RESULTS
@@ -144,10 +143,10 @@ def _in_percent(share: Estimate) -> str:
 def robustness(
     build: Build,
     answers: Answers,
-    dimensions: Mapping[str, Any],
+    dimensions: ByName,
     scatter: Scatter,
     *,
-    limits: Mapping[str, Any] | None = None,
+    limits: ByName | None = None,
     samples: Annotated[int, partial(check_whole, least=2, most=MOST)] = SAMPLES,
     seed: WholeFromZero = 0,
     level: float = 0.95,

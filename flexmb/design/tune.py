@@ -40,7 +40,7 @@ from .scaling import Scaling
 from .scatter import Scatter
 from .search import Attempt, Kernel, search
 from .sensitivities import REVERSE_COST
-from .statistics import SAMPLES, SampledDesign, sampled_of
+from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
 from .tuned import Combination, Tuned
 
 # Names in a history, beside the names of dimensions and answers.
@@ -57,14 +57,14 @@ def tune(
     *,
     minimize: str | None = None,
     maximize: str | None = None,
-    choices: Mapping[str, Any] | None = None,
-    targets: Mapping[str, Any] | None = None,
-    limits: Mapping[str, Any] | None = None,
-    equal: Mapping[str, Any] | None = None,
+    choices: ByName | None = None,
+    targets: ByName | None = None,
+    limits: ByName | None = None,
+    equal: ByName | None = None,
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
     scatter: Scatter | None = None,
     samples: Annotated[int, partial(check_whole, least=8)] = SAMPLES,
-    acceptable: Mapping[str, Any] | None = None,
+    acceptable: ByName | None = None,
     optimizer: Any = None,
     starts: Count = 1,
     together: Count = 1,
@@ -283,7 +283,7 @@ def _searched(
     problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
     ignored = _ignored(problem, kernel, at_start[1], q.seed)
     if alone:
-        _refuse_ignored(layout.labels, ignored)
+        _refuse_ignored(layout.labels, ignored, _flat_yield(of_answers, at_start, kernel.asked))
     runs = _attempts(q, problem, kernel)
     limit = 2 * q.tolerance
     best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
@@ -383,12 +383,20 @@ def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: 
     return ignored
 
 
-def _refuse_ignored(labels: list[str], ignored: np.ndarray) -> None:
+def _flat_yield(of_answers: Layout, at_start: Any, asked: np.ndarray) -> str:
+    """Return advice for a wanted yield that no small change of the dimensions changes; otherwise an empty text."""
+    values, slopes, _ = at_start
+    place = of_answers.labels.index(YIELD) if YIELD in of_answers.labels else -1
+    if place not in asked or np.any(slopes[place] != 0):
+        return ""
+    return f"The yield is {values[place]:g} near the start: start where some made mechanisms are acceptable, not all."
+
+
+def _refuse_ignored(labels: list[str], ignored: np.ndarray, advice: str = "") -> None:
     if np.any(ignored):
         names = ", ".join(f"'{label}'" for label, i in zip(labels, ignored, strict=True) if i)
-        raise ValueError(
-            f"No wanted answer depends on dimension {names}. Fix it in `build`, or add an answer that depends on it."
-        )
+        advice = advice or "Fix it in `build`, or add an answer that depends on it."
+        raise ValueError(f"No wanted answer depends on dimension {names}. {advice}")
 
 
 def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:

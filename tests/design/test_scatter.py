@@ -362,6 +362,19 @@ def test_wrong_questions_about_made_mechanisms_are_named():
         fm.tune(made, answers, start, bounds, minimize="mean y", scatter=fm.scatter({"E": 0.1}))
     with pytest.raises(ValueError, match="Limits of 'z'"):
         fm.design.robustness(made, answers, start, scatter, limits={"z": (0, 1)}, samples=10)
+    with pytest.raises(TypeError, match="`acceptable` must be a dictionary by name"):
+        fm.tune(made, answers, start, bounds, maximize="yield", scatter=scatter, acceptable="y")
+
+
+@pytest.mark.parametrize(("lower", "value"), [(100.0, 0), (-100.0, 1)])
+def test_a_yield_without_slope_is_named(lower, value):
+    """Far from all limits, every mechanism is bad or every one is good."""
+    given = {"scatter": fm.scatter({"x": 0.1}), "acceptable": {"y": (lower, None)}}
+    with pytest.raises(ValueError, match=rf"The yield is {value} near the start: start where some made mechanisms"):
+        fm.tune(made, {"y": cube}, {"x": 1.0}, {"x": (0.5, 2.0)}, maximize="yield", **given)
+    answers = {"y": lambda m: m["x"] + 0 * m["z"]}
+    with pytest.raises(ValueError, match=r"depends on dimension 'z'\. Fix it in `build`"):
+        fm.tune(made, answers, {"x": 1.0, "z": 1.0}, {"x": (0.5, 2.0), "z": (0, 2)}, minimize="mean y", **given)
 
 
 def test_mechanisms_without_answers_are_no_good():
