@@ -25,6 +25,37 @@ PRINCIPAL_MOMENTS = 1e-9
 """Principal moments of inertia may miss the triangle inequality by this share of the largest: a plate meets it exactly,
 and eigenvalues carry round-off."""
 
+SOFTEST_STIFF_SOLID = 1e6
+"""Young's modulus in Pa below which solids are gels, soft rubbers or foams. Metals in MPa (210e3) or GPa (210) are
+below."""
+
+DENSEST_GEL = 1500.0
+"""Density of gels and soft rubbers in kg/m^3, with fillers."""
+
+DENSEST_SOLID = 3e4
+"""Density in kg/m^3; osmium has 22 600."""
+
+LIGHTEST_STIFF_SOLID = 25.0
+"""Density in kg/m^3 below which no solid is stiffer than SOFTEST_STIFF_SOLID. Densities in g/cm^3 are below."""
+
+WEAKEST_SOLID = 1e-6
+"""Strength over Young's modulus; annealed pure metals have 1e-4. Strengths in MPa beside E in Pa have at most 1e-7."""
+
+LARGEST_EXPANSION = 1e-2
+"""Coefficient of thermal expansion in 1/K; polymers have up to 3e-4. Numbers in 1e-6/K are above."""
+
+CONTRADICTING_MODULI = 0.1
+"""Relative difference of G from E/(2 (1 + nu)). Published constants of metals scatter by up to 3 %."""
+
+LARGEST_MECHANISM = 1e3
+"""Distance of nodes in m; the largest cranes have 250 m. Metres in mm and millimetres in um are above."""
+
+LARGEST_SECTION = 10.0
+"""Width, thickness or diameter of a beam in m; towers have up to 10 m. Strips of 18 mm in mm are above."""
+
+THICKEST_LEAF_SPRING = 0.05
+"""Thickness of a leaf spring in m; leaf springs of railway wagons have 0.02 m. Sheets of 0.1 mm in mm are above."""
+
 DIRECTED_STRESS = 1e-9
 """A bending moment or a shear force on a ring has a direction where it exceeds this share of all that stresses the
 section. Below, its direction is round-off and has no derivative."""

@@ -42,6 +42,7 @@ from .dofs import check_inputs, complete
 from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
+from .mistaken_units import warn_of_lengths
 from .plain_beams import warn_of_plain_beams
 from .properties import complete as complete_properties
 from .properties import element_type, number_of_deformations, with_material_damping, with_options
@@ -793,6 +794,7 @@ class Builder(Description):
             FlexmbWarning: FIXED or PRESCRIBED deformations have a prestress, strain or damping without effect; an
                 element has rigidities that it does not use, and lacks a rigidity that it needs; an automatic release
                 has no effect at some position of the mechanism.
+            FlexmbWarning: Lengths or material constants are off by a factor of a unit, such as lengths in millimetres.
             BeamTheoryWarning: Plain beams neglect shear or restrained warping of more than 1 % of a stiffness.
         """
         if not isinstance(dofs, str):
@@ -815,6 +817,7 @@ class Builder(Description):
                 f" {'is none: name it' if len(strangers) == 1 else 'are none: name them'} with dof()."
             )
         if check:
+            warn_of_lengths(self)
             warn_of_idle(self)
             warn_of_plain_beams(self)
             warn_of_curved_leaves(self)

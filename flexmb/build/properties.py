@@ -22,6 +22,7 @@ from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
 from .assemble import is_option, stack
+from .mistaken_units import warn_of_material, warn_of_section
 
 EMPTY = inspect.Parameter.empty
 # Annotation of a property with one truth value for each end.
@@ -234,6 +235,7 @@ def check_record(of: str, value: Record) -> None:
     if isinstance(value, Material) and is_concrete(value):
         for fault in value.faults():
             raise ModelError(f"The {of} has {fault}.")
+        warn_of_material(of, value)
 
 
 def _check_record(what: str, of: str, value: Record) -> None:
@@ -246,6 +248,8 @@ def _check_record(what: str, of: str, value: Record) -> None:
     if is_concrete(value) and isinstance(value, Section | Damping):
         for fault in value.faults():
             raise ModelError(f"The {of} has {fault}.")
+        if isinstance(value, Section):
+            warn_of_section(of, value)
     _CHECKED.add(value)
 
 

@@ -71,7 +71,7 @@ class Neck(Section):
         spread = square / (1 + STEEP * square)
         stretched = (1 + TENSION * spread) * self.stretched
         area = self.rectangle.width * self.rectangle.thickness
-        sideways = self.even * self.material.G * area / (1 + SHEAR * spread)
+        sideways = self.even * self.material.shear_modulus() * area / (1 + SHEAR * spread)
         return dataclasses.replace(
             found,
             EA=found.EA / stretched,

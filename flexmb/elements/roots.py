@@ -75,8 +75,8 @@ def root_stiffness(section: Section, material: Material, thickness: Scalar) -> F
     if not holds(share < 1):
         raise ModelError("The block at the root must be thicker than the leaf spring.")
     along = STRETCHED * spread(share) * per_width
-    across = spread(share) / (2 * material.G * own.width)
+    across = spread(share) / (2 * material.shear_modulus() * own.width)
     bent = HALF_PLANE / np.pi * per_width / own.thickness**2
-    twisted = TWISTED / (np.pi * material.G * own.width * own.thickness**2)
+    twisted = TWISTED / (np.pi * material.shear_modulus() * own.width * own.thickness**2)
     flexible = [along, across, along, twisted, bent, 12 * along / own.width**2]
     return 1 / jnp.stack([jnp.asarray(one, float) for one in flexible])

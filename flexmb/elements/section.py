@@ -20,15 +20,17 @@ from ..numerical_limits import ABOVE_LARGEST_POISSON
 from . import surface
 from .surface import Scalar as Scalar
 
+WITHOUT_SHEAR_MODULUS = "neither G nor nu: give Material(E=.., nu=..), Material(E=.., G=..), or all three"
+
 
 class Material(Record):
     """Isotropic linear material; :mod:`flexmb.materials` contains common materials.
 
     Attributes:
         E: Young's modulus [Pa].
-        G: Shear modulus [Pa].
+        G: Shear modulus [Pa]; E/(2 (1 + nu)) unless given. A material needs G, nu or both.
         rho: Density [kg/m^3].
-        nu: Poisson's ratio [-]; E/(2G) - 1 unless given.
+        nu: Poisson's ratio [-]; E/(2 G) - 1 unless given.
         alpha: Coefficient of thermal expansion, of either sign [1/K]. Without it, elements of the material cannot have
             a temperature.
         strength: Yield stress, or fracture stress of a brittle material [Pa]; optional. :class:`flexmb.linear.Stress`
@@ -40,7 +42,7 @@ class Material(Record):
     """
 
     E: Scalar
-    G: Scalar
+    G: Scalar | None = None
     rho: Scalar = 0.0
     nu: Scalar | None = None
     alpha: Scalar | None = None
@@ -50,7 +52,15 @@ class Material(Record):
 
     def poisson(self) -> Scalar:
         """Poisson's ratio, () [-]."""
-        return self.E / (2 * self.G) - 1 if self.nu is None else self.nu
+        return self.E / (2 * self.shear_modulus()) - 1 if self.nu is None else self.nu
+
+    def shear_modulus(self) -> Scalar:
+        """Shear modulus, () [Pa]."""
+        if self.G is not None:
+            return self.G
+        if self.nu is None:
+            raise ModelError(f"The material has {WITHOUT_SHEAR_MODULUS}.")
+        return self.E / (2 * (1 + self.nu))
 
     def faults(self) -> list[str]:
         """Return the faults of known numbers: moduli that are not positive, and contradictions."""
@@ -264,7 +274,9 @@ def _faults_of_material(material: Material) -> list[str]:
     found, nu = [], as_known(material.nu)
     if nu is not None and not (holds(nu > -1) and holds(nu < 0.5)):
         found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
-    ratio = as_known(material.E) / (2 * as_known(material.G)) - 1
+    if nu is None and material.G is None:
+        return [*found, WITHOUT_SHEAR_MODULUS]
+    ratio = as_known(material.E) / (2 * as_known(material.shear_modulus())) - 1
     if nu is None and not holds(ratio <= 0.5 + ABOVE_LARGEST_POISSON):
         found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
     fatigue, strength = as_known(material.fatigue), as_known(material.strength)

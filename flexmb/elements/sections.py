@@ -378,13 +378,14 @@ def _from_geometry(
     section: Rectangle | HollowRectangle | Circle | Tube, area: Scalar, iy: Scalar, iz: Scalar, it: Scalar, k: Scalar
 ) -> Rigidity:
     material = section.material
-    ei_y, ei_z, gak = material.E * iy, material.E * iz, material.G * area * k
+    shear_modulus = material.shear_modulus()
+    ei_y, ei_z, gak = material.E * iy, material.E * iz, shear_modulus * area * k
     rho = material.rho if section.rotary else 0.0
     return Rigidity(
         EA=material.E * area,
         EIy=ei_y,
         EIz=ei_z,
-        GIt=material.G * it,
+        GIt=shear_modulus * it,
         shear_z=ei_y / gak if section.shear else 0.0,
         shear_y=ei_z / gak if section.shear else 0.0,
         mass=material.rho * area,

@@ -239,7 +239,7 @@ class _Writer:
         material = section.material
         extras = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
         if material.nu is not None:
-            difference = abs(float(material.nu) - float(material.E / (2 * material.G) - 1))
+            difference = abs(float(material.nu) - float(material.E / (2 * material.shear_modulus()) - 1))
             extras += ["nu other than E/(2 G) - 1"] if difference > SAME_POISSON else []
         extras += ["torsion by an approximation"] if section.torsion != "series" else []
         extras += [] if section.rotary else ["no rotary inertia"]
@@ -461,7 +461,7 @@ class _Writer:
 def _sizes(section: Rectangle) -> list[Any]:
     """Numbers of SECTION."""
     material = section.material
-    values = (section.width, section.thickness, material.E, material.G, material.rho, material.alpha)
+    values = (section.width, section.thickness, material.E, material.shear_modulus(), material.rho, material.alpha)
     return [one_of(value) for value in values if value is not None]
 
 
