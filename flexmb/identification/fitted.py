@@ -84,6 +84,12 @@ class Fit(Result):
         with np.errstate(divide="ignore", invalid="ignore"):
             return self.covariance / np.outer(sizes, sizes)
 
+    @property
+    def computed_deviation(self) -> dict[str, np.ndarray]:
+        """Standard deviation of the computed values of each measurement due to the scatter of the data, by name."""
+        spread = self._propagated(self.problem.function(self.unit)[1])
+        return {item.name: spread[part] for item, part in zip(self.data, self.problem.parts, strict=True)}
+
     def interval(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Confidence interval of a parameter, lower and upper end [SI].
 
@@ -217,7 +223,16 @@ class Fit(Result):
             return float(scaling.to_dimensions(unit)[i]) if np.isfinite(place) else place
 
         values = np.array([value(place) for place in places])
-        return ProfileLikelihood(name, values, (costs - best) / self.noise**2, (value(lower), value(upper)), level)
+        linear = ((places - self.unit[i]) * change / self.problem.layout.join(self.deviation)[i]) ** 2
+        return ProfileLikelihood(
+            name,
+            values,
+            (costs - best) / self.noise**2,
+            (value(lower), value(upper)),
+            level,
+            self._quantile(level) ** 2,
+            linear,
+        )
 
     def sample(self, count: int = 1000, *, warmup: int = 500, chains: int = 2, seed: int = 0) -> Posterior:
         """Sample the posterior distribution of the parameters, which need not be normal.
@@ -407,8 +422,8 @@ class Prediction:
     deviation: np.ndarray
 
 
-@dataclasses.dataclass(frozen=True)
-class ProfileLikelihood:
+@dataclasses.dataclass(frozen=True, repr=False)
+class ProfileLikelihood(Result):
     """Profile likelihood of a parameter.
 
     Attributes:
@@ -417,6 +432,8 @@ class ProfileLikelihood:
         growth: Chi-squared minus its minimum at each value, with the other parameters fitted, (points,) [-].
         interval: Confidence interval [SI]. An end is infinite if the search reaches the bound first.
         level: Level of the interval [-].
+        threshold: Growth at the ends of the interval [-].
+        linear: Growth by the linearised model at each value, (points,) [-].
     """
 
     name: str
@@ -424,6 +441,17 @@ class ProfileLikelihood:
     growth: np.ndarray
     interval: tuple[float, float]
     level: float
+    threshold: float
+    linear: np.ndarray
+
+    def summary(self) -> Summary:
+        """Return the interval."""
+        lower, upper = self.interval
+        rows = {
+            "interval": f"{lower:.6g} to {upper:.6g} ({self.level:.0%})",
+            "values": f"{len(self.values)}, from {np.min(self.values):.6g} to {np.max(self.values):.6g}",
+        }
+        return Summary(f"Profile likelihood of {self.name}", rows, "profile")
 
 
 @dataclasses.dataclass(frozen=True)

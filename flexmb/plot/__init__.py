@@ -12,6 +12,8 @@ from .mechanism import mechanism as mechanism
 from .modes import modes as modes
 from .noise import noise as noise
 from .path import path as path
+from .prediction import prediction as prediction
+from .profile import profile as profile
 from .self_stress import self_stress as self_stress
 from .sensitivities import sensitivities as sensitivities
 from .stress import stress as stress

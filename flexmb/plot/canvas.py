@@ -101,6 +101,13 @@ def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
     return figure, [figure.add_subplot(rows, columns, i + 1, projection=projection) for i in range(count)]
 
 
+def draw_band(ax: Any, x: np.ndarray, values: np.ndarray, deviations: np.ndarray, label: str | None) -> None:
+    """Draw a curve with a band of two standard deviations, left out where they are infinite."""
+    width = np.where(np.isfinite(deviations), 2 * deviations, 0.0)
+    ax.fill_between(x, values - width, values + width, color=BLUE, alpha=0.2, linewidth=0)
+    ax.plot(x, values, color=BLUE, marker=".", linewidth=1, label=label)
+
+
 def entitle(figure: Any, text: str) -> None:
     """Write a title above all panels, in lines as wide as the figure."""
     figure.suptitle(textwrap.fill(text, int(LETTERS * figure.get_figwidth())), fontsize=10)

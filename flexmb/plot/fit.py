@@ -6,7 +6,7 @@ import numpy as np
 
 from ..identification.fitted import Fit
 from ..identification.measurement import Measured
-from .canvas import BLACK, BLUE, RED, entitle
+from .canvas import BLACK, BLUE, RED, draw_band, entitle
 
 # Names of parameters are written beside the correlation up to so many.
 NAMED = 12
@@ -15,7 +15,8 @@ NAMED = 12
 def fit(found: Fit) -> Any:
     """Draw each measurement beside the fitted model, differences in standard deviations, and correlations.
 
-    Bars and the grey band are two standard deviations.
+    Bars and bands are two standard deviations: of the measured values, of the fitted curve due to the scatter of the
+    data, and of the differences. A curve that depends on an undetermined combination of parameters has no band.
 
     Args:
         found: Result of ``fm.fit``.
@@ -35,8 +36,9 @@ def fit(found: Fit) -> Any:
     columns = min(panels, 3)
     figure = plt.figure(figsize=(4.5 * columns, 3.4 * -(-panels // columns)), layout="constrained")
     axes = [figure.add_subplot(-(-panels // columns), columns, 1 + i) for i in range(panels)]
+    bands = found.computed_deviation
     for ax, item in zip(axes, found.data, strict=False):
-        _beside(ax, item, found.computed[item.name])
+        _beside(ax, item, found.computed[item.name], bands[item.name])
     _differences(axes[len(found.data)], found)
     if several:
         _correlation(axes[-1], found)
@@ -44,14 +46,14 @@ def fit(found: Fit) -> Any:
     return figure
 
 
-def _beside(ax: Any, item: Measured, computed: np.ndarray) -> None:
+def _beside(ax: Any, item: Measured, computed: np.ndarray, band: np.ndarray) -> None:
     places = np.arange(1, len(item.values) + 1) if item.over is None else item.over
     spread = None if item.deviation is None else 2 * item.deviation
     ax.errorbar(places, item.values, spread, fmt="o", color=BLACK, markersize=3, linewidth=1, label="measured")
     # A response has real parts first, then imaginary parts at the same places.
     turns = np.flatnonzero(np.diff(places) < 0) + 1
     for part in np.split(np.arange(len(places)), turns):
-        ax.plot(places[part], computed[part], color=BLUE, marker=".", linewidth=1, label=None if part[0] else "fitted")
+        draw_band(ax, places[part], computed[part], band[part], "fitted" if part[0] == 0 else None)
     ax.set_xlabel(item.label or "number")
     ax.set_ylabel(item.name)
     ax.grid(visible=True, alpha=0.3)

@@ -4,6 +4,7 @@ import dataclasses
 import warnings
 
 import jax
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from cases.mechanisms import cart_on_rod
@@ -193,6 +194,21 @@ def test_profile_of_a_line_is_a_parabola_and_of_its_inverse_is_not():
     assert profile.interval == pytest.approx((1 / (1 / STIFFNESS + width), 1 / (1 / STIFFNESS - width)), rel=1e-3)
     expected = ((1 / profile.values - 1 / STIFFNESS) / 2e-2) ** 2 * np.sum(LOADS**2)
     assert profile.growth == pytest.approx(expected, rel=1e-4, abs=1e-4)
+    # The linearised model is linear in log k, its scale.
+    slope = np.sqrt(np.sum(LOADS**2)) / STIFFNESS / 2e-2
+    assert profile.linear == pytest.approx((slope * np.log(profile.values / STIFFNESS)) ** 2, rel=1e-6, abs=1e-9)
+    ax = fm.plot.profile(profile)
+    drawn = {line.get_label(): line for line in ax.lines}
+    np.testing.assert_allclose(drawn["profile"].get_ydata(), profile.growth[np.argsort(profile.values)])
+    np.testing.assert_allclose(drawn["linearised"].get_ydata(), profile.linear[np.argsort(profile.values)])
+    span = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert (span.x0, span.x1) == pytest.approx(profile.interval, rel=1e-6)
+    # The square of the quantile of the normal distribution for 95 %.
+    assert profile.threshold == pytest.approx(1.959964**2, rel=1e-6)
+    assert "Profile likelihood of stiffness" in repr(profile)
+    plt.close(ax.figure)
+    with pytest.raises(TypeError, match=r"needs the result of fitted\.profile"):
+        fm.plot.profile(found)  # type: ignore
 
 
 def test_other_values_are_fitted_by_the_same_programs():
@@ -244,13 +260,24 @@ def test_bad_arguments_are_refused_by_name():
 
 
 def test_the_picture_has_a_panel_for_each_measurement():
-    import matplotlib.pyplot as plt
-
     data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-3)}
     found = fm.fit(cart, data, GUESS, BOUNDS)
     figure = fm.plot.fit(found)
     assert [ax.get_ylabel() for ax in figure.axes[:3]] == [*data, "computed less measured [deviations]"]
+    # There are as many values as parameters: computed values scatter as measured ones.
+    assert [found.computed_deviation[name][0] for name in data] == pytest.approx([0.01, 1e-3], rel=1e-6)
+    band = figure.axes[0].collections[-1].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == pytest.approx((0.78, 0.82), rel=1e-4)
     plt.close(figure)
+    predicted = found.predict({"frequencies": lambda model: fm.frequencies(model)})["frequencies"]
+    ax = fm.plot.prediction(predicted, [3.0], measured=[0.8], label="load [N]", name="frequency [Hz]")
+    band = ax.collections[0].get_paths()[0].vertices[:, 1]
+    assert (band.min(), band.max()) == pytest.approx((0.78, 0.82), rel=1e-4)
+    plt.close(ax.figure)
+    with pytest.raises(ValueError, match="`over` has 2 numbers, but the prediction has 1"):
+        fm.plot.prediction(predicted, [3.0, 4.0])
+    with pytest.raises(TypeError, match=r"entry of fitted\.predict"):
+        fm.plot.prediction(None)  # type: ignore
     with pytest.raises(TypeError, match=r"fm\.fit"):
         fm.plot.fit(None)  # type: ignore
 
