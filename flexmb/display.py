@@ -305,8 +305,19 @@ def course(states: States) -> str:
     return f"{counted(len(x), 'state')}, {names[index]} moves most, {span(x[:, index], unit_of(names[index]))}"
 
 
-def _moving(entry: Any) -> str:
-    """What a coordinate does, without the name of an Euler parameter."""
+# Verbs for the deformations of an element, by the beginnings of their names.
+STRAINING = {"elongation": "stretches", "curvature": "bends", "twist": "twists", "shear": "shears"}
+
+
+def _moving(entry: Any, labels: Any) -> str:
+    """What a coordinate does, without the name of an Euler parameter or of a coefficient."""
+    if entry.kind == "internal":
+        # The coefficients of the strains are the last deformations of their element.
+        element = entry.of.removesuffix(".internal")
+        names = [one.name for one in labels.e if one.of == element]
+        count = sum(one.of == entry.of for one in labels.x)
+        name = names[len(names) - count + entry.component - 1] if len(names) >= count else ""
+        return f"{next((verb for field, verb in STRAINING.items() if name.startswith(field)), 'deforms')} '{element}'"
     turns = entry.kind == "rotation" and entry.symbol != "phi"
     return f"turns {entry.of.removesuffix('.rotation')}" if turns else f"moves {entry}"
 
@@ -322,7 +333,7 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
         moves = np.where(inner[:, None] & outer, 0.0, moves)
     own = {}
     for i, value in enumerate(values[:AT_MOST]):
-        moving = f", {_moving(names[int(np.argmax(np.abs(moves[:, i])))])} most" if names else ""
+        moving = f", {_moving(names[int(np.argmax(np.abs(moves[:, i])))], found.model.labels)} most" if names else ""
         own[f"mode {i + 1}"] = f"{value}{moving}"
     if count > AT_MOST:
         own["more"] = listed(list(values[AT_MOST:]))

@@ -55,7 +55,10 @@ CASES = {
     "Linearization": (lambda: fm.linearize(cart()), ["cart.x is displaced most", "0.01 m", "successful", "100"]),
     "Matrices": (lambda: fm.linearize(guide()).matrices, ["M0[1,1]", "x[12]"]),
     "Modes": (lambda: fm.modes(cart()), ["1 of 1", "mode 1: 0.79577 Hz, moves cart.x most", "stable: yes"]),
-    "Buckling": (lambda: fm.buckling(guide()), ["1 of 1", "mode 1: load multiplier 78.75, moves left1.x most"]),
+    "Buckling": (
+        lambda: fm.buckling(guide()),
+        ["1 of 1", "mode 1: load multiplier 78.75, moves left1.x most", "factor of all loads"],
+    ),
     "StateMatrices": (lambda: fm.control.state_matrices(cart())[0], ["A (2, 2)"]),
     "Stress": (lambda: fm.stress(guide()), ["2 elements at 5 places", "1.1111e+05 Pa", "'left 1' at 0", "von Mises"]),
     "SectionResultants": (lambda: fm.linear.section_resultants(guide()), ["-1 to 0 N, largest in 'left 1' at 0"]),
@@ -171,3 +174,17 @@ def test_modes_are_told_by_nodes_and_not_by_what_lies_within_an_element():
     told = repr(fm.modes(b.build()))
     assert "moves tip.rotation.phi most" in told
     assert "internal" not in told
+
+
+def test_a_mode_within_an_element_is_told_by_its_deformation():
+    b = fm.Builder()
+    b.node("foot", (0.0, 0.0))
+    b.node("tip", (0.1, 0.0))
+    b.add(planar.spectral_beam(3), "foot", "tip", name="arch", section=fm.Rigidity(EA=1e5, EIy=0.1, mass=0.1))
+    b.fix("foot")
+    b.fix("tip", "y", "phi")
+    b.force("tip", (-1.0, 0.0))
+    assert "bends 'arch' most" in repr(fm.modes(b.build(), count=1))
+    buckled = repr(fm.buckling(b.build(), count=1))
+    assert "bends 'arch' most" in buckled
+    assert "load multiplier: factor of all loads at which the mechanism buckles" in buckled

@@ -73,7 +73,9 @@ class Buckling(Shapes, Labelled, Record):
     def summary(self) -> Summary:
         """Return the load multipliers."""
         told = [f"load multiplier {multiplier:.5g}" for multiplier in np.asarray(self.multipliers).tolist()]
-        return modal_summary("Buckling", self.states(), told, {} if told else {"load multipliers": "none"})
+        scaled = "all loads" if self.lin.model.parameters.increment is None else "the loads with increment=True"
+        rows = {"load multiplier": f"factor of {scaled} at which the mechanism buckles"}
+        return modal_summary("Buckling", self.states(), told, rows if told else {"load multipliers": "none"})
 
 
 def curvature_of_increment(
