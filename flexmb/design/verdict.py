@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import itertools
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -42,7 +43,7 @@ def verdict(
     node: str | None = None,
     steps: Count = 4,
     count: Count = 3,
-    progress: Callable[[int, int], None] | bool = False,
+    progress: Callable[[int, int], None] | bool | None = None,
 ) -> Verdict:
     """Properties of a mechanism over its stroke, its first limit, and the dimensions that move this limit.
 
@@ -64,7 +65,8 @@ def verdict(
         steps: Number of strokes to each side. If a stroke has no equilibrium, this side ends at the largest stroke with
             an equilibrium, found to a hundredth of the stroke.
         count: Number of frequencies.
-        progress: True for a bar, or a function called with the number of strokes done and of all.
+        progress: True for a bar, or a function called with the number of strokes done and of all. None: a bar where
+            there is a terminal. The first verdict of a mechanism in space compiles for up to a minute.
 
     Returns:
         Verdict with stroke (states,) [m or rad] and curves by name, (states,) [their units].
@@ -95,7 +97,10 @@ def verdict(
     model = with_turn(model, str(name))
     asked = StrokeQuestions(model, driven(model, name), node, count)
     sides = [np.linspace(0, end, steps + 1)[1:].tolist() for end in (low, high) if end]
-    with reporting(progress, "strokes", 1 + sum(map(len, sides))) as report:
+    total = 1 + sum(map(len, sides))
+    with reporting(sys.stderr.isatty() if progress is None else progress, "strokes", total) as report:
+        if report is not None:
+            report(0, total)
         asked.look(0.0, throw=True)
         for extra in limits or {}:
             if extra not in asked.values[0.0]:
@@ -104,18 +109,20 @@ def verdict(
         for side in sides:
             for last, s in itertools.pairwise([0.0, *side]):
                 if report is not None:
-                    report(len(asked.values), 1 + sum(map(len, sides)))
+                    report(len(asked.values), total)
                 if not asked.look(s):
                     asked.approach(last, s, LIMIT_ENDS * abs(side[-1]))
                     break
-    asked.say_what_is_missing()
-    curves, strokes = asked.curves(), np.array(sorted(asked.values))
-    states = asked.places(), asked.stable("held"), asked.stable("free")
-    x = np.array([asked.at[s].held.x for s in strokes.tolist()])
-    found = _limits(asked, strokes, curves, limits or {})
-    table = None if build is None else _sensitivities(asked, build, dimensions or {}, found, strokes)
-    with heard():
-        redundant = mobility(model)
+        if report is not None:
+            report(total, total)
+        asked.say_what_is_missing()
+        curves, strokes = asked.curves(), np.array(sorted(asked.values))
+        states = asked.places(), asked.stable("held"), asked.stable("free")
+        x = np.array([asked.at[s].held.x for s in strokes.tolist()])
+        found = _limits(asked, strokes, curves, limits or {})
+        table = None if build is None else _sensitivities(asked, build, dimensions or {}, found, strokes)
+        with heard():
+            redundant = mobility(model)
     units = {name: unit_of_curve(name, asked.unit) for name in curves}
     head = asked.driven.name, asked.unit, asked.node
     return Verdict(*head, strokes, curves, units, found, redundant, table, asked.unanswered, *states, x, model)

@@ -501,3 +501,16 @@ def test_a_stroke_about_a_global_axis(prescribed):
         assert rows is not None
         # The force is proportional to the torsional stiffness.
         np.testing.assert_allclose(rows.table[rows.answers.index("force")], 1.0, rtol=1e-6)
+
+
+def test_progress_begins_before_the_first_state_and_ends_with_the_last(monkeypatch, capsys):
+    seen = []
+    fm.verdict(guide(), 2e-3, steps=2, progress=lambda done, total: seen.append((done, total)))
+    assert seen[0] == (0, 5)
+    assert seen[-1] == (5, 5)
+    assert seen == sorted(seen)
+    capsys.readouterr()
+    # By default a bar where there is a terminal.
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    fm.verdict(guide(), 2e-3, steps=2)
+    assert "strokes" in capsys.readouterr().err
