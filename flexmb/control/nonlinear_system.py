@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
-from ..errors import AnalysisError
+from ..errors import AnalysisError, warn
 from ..mechanics.extent import sizes_of
 from ..model.model import Model, as_known
 from ..motion.coordinates_form import coordinates_form
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 # Degrees of freedom move from the last evaluation in at most FARTHEST steps of at most STEP extents, metres (of
 # deformations) or radians, so that turns are counted. After a failure, four times as many steps are tried, FINER times.
 STEP, FARTHEST, FINER = 1.0, 20_000, 4
+# Evaluations after which a warning names faster methods. Implicit methods need some hundreds for a step response.
+MANY = 10_000
 
 
 class Evaluated(NamedTuple):
@@ -99,6 +101,11 @@ def to_nonlinear_system(
     the ones named in the builder. Rotations in space count from the undeformed mechanism. Each evaluation solves for
     the other coordinates, starting from the last evaluation, in steps if the change is large.
 
+    Most mechanisms are stiff: their fastest vibration is much faster than the motion. The default method of
+    ``control.input_output_response``, RK45, takes steps as short as this vibration. Pass ``solve_ivp_method="Radau"``:
+    for 0.1 s of a guide of two leaf springs with a PID controller it took 1.6 s of processor time, RK45 28 s. Or use
+    ``fm.simulate`` with ``control=``.
+
     Args:
         model: Mechanism with named inputs and outputs.
         loads: Loads as functions of time, see :class:`flexmb.motion.Drives`.
@@ -112,6 +119,9 @@ def to_nonlinear_system(
         TypeError: Numbers of the model are traced, as under ``jax.jit``.
         AnalysisError: out_of_reach, raised when the system is evaluated: the mechanism cannot be assembled there.
 
+    Warns:
+        FlexmbWarning: The plant was evaluated 10 000 times.
+
     Source:
         THEORY.md 5, eq. (5.2), and 9 (a).
     """
@@ -124,7 +134,35 @@ def to_nonlinear_system(
     nameless, freedoms = model.without_names(), freedoms_in_memory(model)
     n, memory = model.topology.n_q, memory_at_start(model)
 
+    # The last question with its answer, and the state of that question with the memory that it began from.
+    last: tuple[Any, Any] = (None, None)
+    began: tuple[Any, np.ndarray] = (None, memory)
+    count = 0
+
     def evaluated(t: float, x: np.ndarray, u: np.ndarray):
+        """Return rates and outputs.
+
+        python-control asks several times at a state. Without the same memory each time, Newton's method changes the
+        last digits of outputs, and python-control takes their change for an algebraic loop.
+        """
+        nonlocal memory, last, began, count
+        question = tuple(np.asarray(number, float).tobytes() for number in (t, x, u))
+        if question == last[0]:
+            return last[1]
+        memory = began[1] if question[:2] == began[0] else memory
+        began = question[:2], memory
+        count += 1
+        if count == MANY:
+            warn(
+                f"The plant was evaluated {MANY} times, up to {float(t):.4g} s. Explicit methods, such as RK45 by"
+                " default, follow the fastest vibration of the mechanism. Pass solve_ivp_method='Radau' to"
+                " control.input_output_response, or use fm.simulate with control=."
+            )
+        answer = computed(t, x, u)
+        last = question, answer
+        return answer
+
+    def computed(t: float, x: np.ndarray, u: np.ndarray):
         nonlocal memory
         before = memory[freedoms.places] - freedoms.origins
         way = np.asarray(x, float)[:n] - before

@@ -1,10 +1,13 @@
 """The plant for python-control, whose states are metres and radians whatever the mechanism's extent."""
 
+import control
 import numpy as np
 import pytest
 from cases.motions import meshing_wheels, sprung_mass
 
 import flexmb as fm
+from flexmb import planar
+from flexmb.control import nonlinear_system
 
 
 @pytest.mark.slow
@@ -36,3 +39,52 @@ def test_what_is_out_of_reach_is_told(turn):
     plant = fm.control.to_nonlinear_system(meshing_wheels().build())
     with pytest.raises(fm.AnalysisError, match="no configuration with these degrees of freedom"):
         plant.dynamics(0.0, [turn, 0.0, 0.0, 0.0], [0.0, 0.0])
+
+
+def guide():
+    """Stage on two leaf springs, whose other coordinates follow from three degrees of freedom."""
+    leaf = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
+    damping = fm.sections.damping_from_ratio(leaf, 0.1, 0.005, frequency=10.0)
+    b = fm.Builder()
+    for name, place in {"A": (0.0, 0.0), "B": (0.0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0.0)}.items():
+        b.node(name, place)
+    b.add(planar.beam, "A", "B", name="left", section=leaf, damping=damping)
+    b.add(planar.beam, "D", "C", name="right", section=leaf, damping=damping)
+    b.add(planar.beam, "B", "C", name="stage")
+    for foot in "AD":
+        b.fix(foot)
+    for end in "BC":
+        b.mass(end, 0.1)
+    b.input("C", "x", name="force")
+    b.output("B", "x", name="position")
+    return b.build()
+
+
+@pytest.mark.slow
+def test_a_loop_of_python_control_with_the_plant():
+    """python-control compares outputs to the last digit: at one state they may not depend on earlier questions."""
+    model = guide()
+    plant, pid = fm.control.to_nonlinear_system(model), fm.control.pid(model, 20.0)
+    state = np.array([1e-3, 1e-3, -2e-3, 0.1, 0.0, 0.0])
+    outputs = [plant.output(0.0, state, [force])[0] for force in (0.0, 1.0, -3.0, 0.0)]
+    assert len(set(outputs)) == 1
+    controller = control.ss(pid, inputs=["error"], outputs=["force"], name="pid")
+    error = control.summing_junction(["wanted", "-position"], "error", name="error")
+    loop = control.interconnect([plant, controller, error], inputs=["wanted"], outputs=["position"])
+    times, step = np.linspace(0, 0.1, 11), 1e-3
+    stepped = control.input_output_response(
+        loop, times, step * np.ones(11), solve_ivp_method="Radau", solve_ivp_kwargs={"rtol": 1e-6, "atol": 1e-9}
+    )
+    motion = fm.simulate(model, times, control=pid, reference=lambda t: step, rtol=1e-6)
+    # Ten times the tolerances of both integrations.
+    np.testing.assert_allclose(stepped.outputs, np.asarray(motion.at("B"))[:, 0], atol=1e-5 * step)
+
+
+def test_many_evaluations_are_told_with_a_faster_method(monkeypatch):
+    monkeypatch.setattr(nonlinear_system, "MANY", 3)
+    plant = fm.control.to_nonlinear_system(meshing_wheels().build())
+    state = np.zeros(4)
+    for time in (0.0, 0.0, 1.0):
+        plant.dynamics(time, state, [0.0, 0.0])
+    with pytest.warns(fm.FlexmbWarning, match=r"evaluated 3 times, up to 2 s.*solve_ivp_method='Radau'"):
+        plant.dynamics(2.0, state, [0.0, 0.0])
