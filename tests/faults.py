@@ -4530,6 +4530,18 @@ FAULTS = [
     ),
     Fault("build/dofs.py", "np.ndarray) or not beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
     Fault(
+        "build/dofs.py",
+        "found=tuple(map(str, entries))",
+        "found=()",
+        "build/test_dofs.py -k are_known_as_found",
+    ),
+    Fault(
+        "build/builder.py",
+        "described if check else with_started(described)",
+        "described",
+        "build/test_dofs.py -k keeps_its_start",
+    ),
+    Fault(
         "math/linear.py",
         "custom_linear_solve(lambda x: own @ x,",
         "custom_linear_solve(lambda x: jax.lax.stop_gradient(own) @ x,",

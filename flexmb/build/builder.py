@@ -38,7 +38,7 @@ from .carry import as_in, next_carried, note, note_builder
 from .clamps import with_clamps
 from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
-from .dofs import check_inputs, complete
+from .dofs import check_inputs, complete, with_started
 from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
 from .given import listed, named, released_in, some_of
 from .idle import warn_of_idle
@@ -826,7 +826,7 @@ class Builder(Description):
         described = nan_if_not_stiff(with_steps(with_clamps(self, before), self))
         if check:
             warn_of_ends(described)
-        model = assemble(described)
+        model = assemble(described if check else with_started(described))
         blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
         if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
             if before is not None and (twin := as_in(described, before)) is not described:

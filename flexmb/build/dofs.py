@@ -37,9 +37,7 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
         told = mobility_of(model, found).report()
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{told}")
     if model.topology.n_q == 0 and dofs == "auto":
-        builder = builder.copy()
-        for kind, of, component in builder.starts:
-            builder.dof(of, component, kind=kind)
+        builder = with_started(builder).copy()
         started = with_roles(model, builder)
         x, e = choose(started, motions, named_rows(started, motions, found), found)
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
@@ -52,6 +50,16 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
     model = _with_coefficients(builder, model, motions)
     _check_named(model, motions, found)
     return model
+
+
+def with_started(builder: Description) -> Description:
+    """A builder whose start values belong to degrees of freedom; unchanged if degrees of freedom are named."""
+    if builder.dofs or not builder.starts:
+        return builder
+    twin = builder.copy()
+    for kind, of, component in builder.starts:
+        twin.dof(of, component, kind=kind)
+    return twin
 
 
 def check_inputs(model: Model, builder: Description | None = None) -> Model:
@@ -107,7 +115,7 @@ def complete_series(builder: Description, model: Model) -> Model:
     """
     if not _coefficients(model):
         return model
-    return _with_coefficients(with_clamps(builder, None), model, motions_of(model)[0])
+    return _with_coefficients(with_started(with_clamps(builder, None)), model, motions_of(model)[0])
 
 
 def _coefficients(model: Model) -> list[int]:
@@ -133,10 +141,11 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
     if len(chosen) < missing:
         return model
     builder = builder.copy()
-    for i in sorted(chosen):
-        entry = model.labels.e[i]
+    entries = [model.labels.e[i] for i in sorted(chosen)]
+    for entry in entries:
         builder.dof(entry.of, entry.component, kind="element")
-    return assemble(builder)
+    completed = assemble(builder)
+    return dataclasses.replace(completed, labels=dataclasses.replace(completed.labels, found=tuple(map(str, entries))))
 
 
 def _independent(

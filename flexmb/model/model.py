@@ -137,7 +137,7 @@ class Labels:
         stressed: For each block of the topology, names of its elements in order; None for elements without section
             stresses.
         warm: Names of elements with a temperature.
-        found: Degrees of freedom that ``build()`` found because none was named. They do not enter comparisons.
+        found: Degrees of freedom that ``build()`` found beside the named ones. They do not enter comparisons.
     """
 
     x: tuple[Entry, ...]

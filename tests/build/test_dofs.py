@@ -225,3 +225,36 @@ def test_a_release_that_is_not_looked_for_is_refused():
         jax.grad(lambda height: fm.frequencies(guide_to_release(0.5e-3, height))[0])(0.1)
     with pytest.raises(fm.ModelError, match="release='auto' needs the checks: leave out check=False"):
         guide_to_release(0.5e-3, check=False)
+
+
+def test_coefficients_found_beside_named_degrees_of_freedom_are_known_as_found():
+    """A driven motion that starts elsewhere depends on them, and warns by their names."""
+    b = fm.Builder()
+    for name, place in {"A": (0, 0), "B": (0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0)}.items():
+        b.node(name, place)
+    for name, ends in (("left", "AB"), ("right", "DC")):
+        b.add(planar.spectral_beam(order=3), *ends, name=name, section=fm.Rigidity(EA=1e6, EIy=1.0))
+    b.add(planar.rigid_body, "B", "C")
+    b.fix("A")
+    b.fix("D")
+    b.dof("B", "x")
+    model = b.build()
+    assert len(model.q_labels) > 1
+    assert set(model.labels.found) == set(model.q_labels) - {"B.x"}
+    assert b.build(dofs=model.q_labels).labels.found == ()
+
+
+@pytest.mark.parametrize("how", ["auto", "named"])
+def test_an_unchecked_model_keeps_its_start(how):
+    """An oscillator let go at 0.1 m: 0.1 cos(t)."""
+    b = fm.Builder()
+    b.node("a", (0, 0))
+    b.node("b", (1, 0))
+    b.fix("a")
+    b.fix("b", "y")
+    b.add(planar.truss, "a", "b", section=fm.Rigidity(EA=1.0), released=(1,))
+    b.mass("b", 1.0)
+    b.start("b", "x", 0.1, -0.2)
+    model = b.build(dofs=how, check=False)
+    assert model.q_labels == ["b.x"]
+    np.testing.assert_array_equal(np.ravel(model.parameters.start), [0.1, -0.2])
