@@ -153,7 +153,10 @@ def test_supports_of_a_redundant_bar(many, monkeypatch):
     found = candidates(parallelogram())
     assert [one[:2] for one in found] == [("b0", "y"), ("b0", "x"), *((f"{n}0", c) for c in "yx" for n in "ac")]
     for one in found:
-        assert abs(float(one.fails.removeprefix("a.y = ")) - {"y": 0.0, "x": 1.0}[str(one.component)]) < 0.02
+        # All three bars have the same y: round-off decides whose y is named.
+        name, value = one.fails.split(" = ")
+        assert name in ("a.y", "b.y", "c.y")
+        assert abs(float(value) - {"y": 0.0, "x": 1.0}[str(one.component)]) < 0.02
         assert built(parallelogram(), one).topology.n_q == 1
 
 
