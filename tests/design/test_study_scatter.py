@@ -6,37 +6,13 @@ import re
 import numpy as np
 import pytest
 from cases.commands import command as call
+from cases.guide_file import GUIDE
 from scipy.stats import norm
 
 import flexmb as fm
 from flexmb.design.study_file import read_study
 from flexmb.errors import StudyError
 
-GUIDE = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLBEAM 3 5 6 7 8
-X 1 0 0
-X 3 0 {l}
-X 5 0.1 {l}
-X 7 {+l/2+0.05-(l-0.1)/2} 0
-FIX 1
-FIX 2
-FIX 7
-FIX 8
-RLSE 1 2 3
-RLSE 3 2 3
-DYNX 3 1
-END
-HALT
-XM 3 0.103
-XM 5 0.103
-EM 1 {7850*w*t}
-EM 3 {7850*w*t}
-ESTIFF 1 {210e9*w*t} {210e9*w*t**3/12}
-ESTIFF 3 {210e9*w*t} {210e9*w*t**3/12}
-END
-END
-"""
 # The drive stiffness of the guide is 2 E w t^3/l^3: its logarithm is normal.
 STUDY = """model = "guide.dat"
 [parameters]

@@ -7,38 +7,11 @@ import numpy as np
 import pytest
 from cases.commands import command as call
 from cases.files import arrays_of
+from cases.guide_file import GUIDE_WITH_PORTS as GUIDE
 
 import flexmb as fm
 from flexmb.identification.fit_study import read_fit_study
 
-# A guide of two leaf springs: its frequency goes with t^1.5, its drive stiffness with t^3.
-GUIDE = """PLBEAM 1 1 2 3 4
-PLBEAM 2 3 4 5 6
-PLBEAM 3 5 6 7 8
-X 1 0 0
-X 3 0 0.1
-X 5 0.1 0.1
-X 7 0.1 0
-FIX 1
-FIX 2
-FIX 7
-FIX 8
-RLSE 1 2 3
-RLSE 3 2 3
-DYNX 3 1
-END
-HALT
-XM 3 {m}
-XM 5 {m}
-ESTIFF 1 {210e9*w*t} {210e9*w*t**3/12}
-ESTIFF 3 {210e9*w*t} {210e9*w*t**3/12}
-END
-HALT
-INPUTF 1 3 1
-OUTX 1 3 1
-END
-END
-"""
 STUDY = """model = "guide.dat"
 [parameters]
 t = { value = 0.45e-3, lower = 0.1e-3, upper = 2e-3 }
