@@ -4091,6 +4091,7 @@ FAULTS = [
         "design/test_tune.py -k infeasible",
         slow=True,
     ),
+    Fault("design/lean.py", "np.where(given > 0, given, 1.0)", "1.0", "design/test_lean.py -k side_by_side"),
     Fault(
         "design/lean.py",
         "np.asarray(lin.matrices.e)[free] * weight\n",

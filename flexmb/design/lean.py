@@ -119,10 +119,13 @@ class Lean(Result):
 
 
 def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]) -> list[np.ndarray]:
-    """Return the motions to keep at each state: modes of the band, and static responses until the tolerance is met."""
+    """Return the motions to keep at each state: modes of the band, and static responses until the tolerance is met.
+
+    Each motion has an energy of 1.
+    """
     found = []
     for state, shapes in zip(full, bands, strict=True):
-        z = shapes
+        z = shapes / np.sqrt(np.einsum("ij,ij->j", shapes, state.K @ shapes))
         candidates = np.linalg.solve(state.K, state.directions.T)
         while z.shape[1] < len(state.K):
             if deviation(state, state.restricted(z), bandwidth).worst <= tolerance:
@@ -134,7 +137,8 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
             share = size / np.where(whole > 0, whole, 1.0) if size.size else np.zeros(0)
             if not share.size or np.max(share) < NO_MISSING_RESPONSE:
                 break
-            z = np.column_stack([z, missing[:, int(np.argmax(share))]])
+            most = int(np.argmax(share))
+            z = np.column_stack([z, missing[:, most] / np.sqrt(size[most])])
         found.append(z)
     return found
 
@@ -287,33 +291,36 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
     free = free[can_be_tied(model)[free] & (stiffness[free] > 0)]
     weight = np.sqrt(stiffness[free])
     rows = [np.asarray(lin.matrices.DFe)[free] * weight[:, None] for lin in states]
-    # Energy of each deformation as a share of each kept motion.
-    shares = np.zeros(len(free))
-    for a, z, lin in zip(rows, kept, states, strict=True):
-        least = NO_MISSING_RESPONSE * np.max(np.diag(z.T @ (a.T @ a) @ z), initial=0.0)
-        energy = np.maximum(np.sum((a @ z) ** 2, axis=0), least)
-        shares = np.maximum(shares, np.max((a @ z) ** 2 / np.where(energy > 0, energy, 1.0), axis=1))
-        # Deformations from loads and strains count too.
+    stiffnesses = [np.asarray(lin.matrices.K) for lin in states]
+    # Deformations from loads and strains count too.
+    loaded = np.zeros(len(free))
+    for lin in states:
         moved = np.asarray(lin.matrices.e)[free] * weight
         size = moved @ moved
-        shares = np.maximum(shares, moved**2 / size if size > 0 else 0.0)
+        loaded = np.maximum(loaded, moved**2 / size if size > 0 else 0.0)
+
+    def lost(chosen: Any, nulls: list[np.ndarray]) -> np.ndarray:
+        parts = zip(rows, nulls, stiffnesses, kept, strict=True)
+        return np.max([loaded[chosen], *(_lost(a[chosen] @ null, null, k, z) for a, null, k, z in parts)], axis=0)
+
     # Effects in the undeformed mechanism, by which the restricted model chooses its degrees of freedom.
     undeformed = constraints(model)
     motions, _ = motions_of(model, undeformed)
     effects = undeformed.jacobian[free] @ motions
     effects = effects if isinstance(effects, np.ndarray) else effects.toarray()
     fixed: list[int] = []
-    nulls = [np.eye(rows[0].shape[1]), np.eye(effects.shape[1])]
+    every = [*rows, effects]
+    nulls = [np.eye(own.shape[1]) for own in every]
     spent = 0.0
-    for i in np.argsort(shares, kind="stable"):
-        spent += shares[i]
-        if spent > NEGLIGIBLE_SHARE * tolerance:
-            break
-        left = [own[i] @ null for own, null in zip((rows[0], effects), nulls, strict=True)]
-        if all(
-            np.linalg.norm(row) > NO_MOTION * np.linalg.norm(own[i])
-            for row, own in zip(left, (rows[0], effects), strict=True)
+    for i in np.argsort(lost(np.arange(len(free)), nulls[:-1]), kind="stable"):
+        left = [own[i] @ null for own, null in zip(every, nulls, strict=True)]
+        if not all(
+            np.linalg.norm(row) > NO_MOTION * np.linalg.norm(own[i]) for row, own in zip(left, every, strict=True)
         ):
+            continue
+        cost = float(lost(np.array([i]), nulls[:-1])[0])
+        if spent + cost <= NEGLIGIBLE_SHARE * tolerance:
+            spent += cost
             fixed.append(int(i))
             nulls = [null @ np.linalg.svd(row[None])[2][1:].T for row, null in zip(left, nulls, strict=True)]
     rest = np.setdiff1d(np.arange(len(free)), fixed)
@@ -334,6 +341,23 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
         return None
     chosen = [int(free[i]) for i in fixed]
     return restrict(model, chosen, [int(free[i]) for i in rest], ties), chosen, len(ties)
+
+
+def _lost(rows: np.ndarray, null: np.ndarray, stiffness: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Return the largest share of the energy of a kept motion that each constraint takes, (rows,).
+
+    In a loop, other deformations depend on a deformation: a constraint on it then takes more than its own energy.
+
+    Args:
+        rows: Constraints on the remaining motions, (rows, m).
+        null: Remaining motions as columns, (n, m).
+        stiffness: Stiffness, (n, n).
+        kept: Motions with an energy of 1, (n, motions).
+    """
+    answers = np.linalg.solve(null.T @ stiffness @ null, rows.T)
+    effects = null.T @ stiffness @ kept
+    given = np.einsum("ij,ji->i", rows, answers)
+    return np.max((answers.T @ effects) ** 2, axis=1) / np.where(given > 0, given, 1.0)
 
 
 def _fewest_beams(

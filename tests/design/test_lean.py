@@ -53,7 +53,9 @@ def test_guide_in_space(nineteen, bandwidth, n_q):
     found = fm.lean(nineteen, bandwidth=bandwidth)
     assert found.model.topology.n_q == n_q
     full, own = (frequencies(m)[:n_q] for m in (nineteen, found.model))
-    assert np.max(np.abs(own / full - 1)) <= found.error.frequencies * (1 + 1e-9) <= 0.01
+    # Round-off of a ratio of frequencies.
+    assert np.max(np.abs(own / full - 1)) <= found.error.frequencies + 1e-13
+    assert found.error.frequencies <= 0.01
     # Constraints are kept by the whole chain of ties.
     assert fm.mobility(found.model).status == "ok"
 
@@ -63,7 +65,7 @@ def test_report_says_what_is_left_out(lean_guide):
     text = lean_guide.report()
     assert "19 degrees of freedom; lean model: 1 (3.y)" in text
     assert "FIXED, since they hardly deform" in text
-    assert "4 further combinations" in text
+    assert "5 further combinations" in text
 
 
 @pytest.mark.slow
@@ -382,9 +384,15 @@ def test_leaf_springs_side_by_side_have_one_freedom(space):
     section = fm.Rectangle(0.02, 0.5e-3, fm.Material(E=210e9, G=80.77e9, rho=7850))
     fm.blocks.parallel_guide(b, "base", "stage", length=0.1, spacing=0.05, section=section, **extra)
     b.mass("stage", 0.5)
-    found = fm.lean(b.build(), bandwidth=100.0)
+    full = b.build()
+    found = fm.lean(full, bandwidth=100.0)
     assert found.model.topology.n_q == 1
     assert found.error.worst < 0.01
+    if not space:
+        # A turn of the stage bends the leaf springs, with little of its energy.
+        at_stage = fm.lean(full, bandwidth=100.0, nodes=["stage"])
+        assert at_stage.model.topology.n_q == 3
+        assert at_stage.error.worst < 0.01
     # Two strips in sway, whose stiffness lies between that of a beam and that of a plate, with 26/35 of their mass.
     stiffness, mass = 2 * 12 * 210e9 * 0.02 * 0.5e-3**3 / 12 / 0.1**3, 0.5 + 2 * 26 / 35 * 7850 * 0.02 * 0.5e-3 * 0.1
     beam = np.sqrt(stiffness / mass) / (2 * np.pi)
