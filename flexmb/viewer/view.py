@@ -141,6 +141,8 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
             raise ValueError("Argument `quantity` needs `stress`: give both.")
         return None
     several = list(stress) if isinstance(stress, list | tuple) else [stress]
+    if not several:
+        raise ValueError("Argument `stress` is an empty list. Give a stress for each state, or leave it out.")
     found = [values_of(own, quantity, of_states=len(several) == 1) for own in several]
     label = found[0][1]
     # One stress of a path or motion has all its states.

@@ -333,6 +333,7 @@ def test_notebook_gets_a_frame_with_the_whole_page(modes):
         (lambda m, s: fm.view(fm.modes(m), at=m), ValueError, "has its own state"),
         (lambda m, s: fm.view(m, 3), TypeError, "fm.stress"),
         (lambda m, s: fm.view(m, [s, s]), ValueError, "but there are 2"),
+        (lambda m, s: fm.view(m, []), ValueError, "is an empty list"),
         (lambda m, s: fm.view(m, s, "colour"), ValueError, "must be one of"),
         (lambda m, s: fm.view(m, None, "tau"), ValueError, "give both"),
         (lambda m, s: fm.view(bent(planar.beam, (0, 1e-3))[0], s), ValueError, "belongs to another model"),
