@@ -15,9 +15,20 @@ WING = json.loads((Path(__file__).parent / "pazy.json").read_text())
 SPAN, CHORD, AXIS = WING["span"], 0.1, 0.044
 GRAVITY, INCH = 9.81, 0.0254
 # Levers of the weights behind the axis of the wing [m]: at mid-chord, and behind the trailing edge with and without
-# skin. The source prints 0.08 and 0.04 behind the edge; only these fit the measured twist.
+# skin. The source prints 0.08 and 0.04 behind the edge. These fit the twist for a rigid clamp and no own weight.
 MID_CHORD = 0.006
 LEVERS = {"with skin": 0.114, "without skin": 0.098}
+# Place of the masses with the wing's own weight and a rigid clamp, fitted by wing.py: lever, and how far beyond the
+# tip they hang [m].
+FITTED = {"with skin": {"lever": 0.124, "outboard": 0.055}, "without skin": {"lever": 0.098, "outboard": 0.055}}
+# All readings without skin, from the files of the source. Both edges were read in steps of 1 mm, 95 mm apart: masses
+# [kg], displacement at mid-chord [mm] under masses at mid-chord and behind the edge, and twist [deg]. ZEROS: error of
+# the reading without mass in both tests [mm], fitted.
+READ_MASSES = 0.2 * np.arange(1, 11)
+READ_BENDING = np.array([23.5, 50.0, 74.5, 98.5, 121.5, 142.5, 162.5, 181.0, 198.0, 213.5])
+READ_TORSION = np.array([25.0, 51.5, 77.0, 100.5, 123.5, 144.5, 164.0, 181.5, 199.0, 214.0])
+READ_TWIST = np.degrees(1 / 95) * np.array([2, 3, 4, 5, 7, 7, 8, 9, 10, 10])
+ZEROS = np.array([4.5, 2.5])
 # Minguet and Dugundji's beam 3: weights at the tip [N], displacement down at 0.5 m [m].
 WEIGHTS = GRAVITY * 1e-3 * np.array([20.0, 50, 100, 200, 300, 400, 500])
 DISPLACEMENTS = np.array([0.0063917, 0.013699, 0.026949, 0.053838, 0.080046, 0.10625, 0.12876])
@@ -60,7 +71,7 @@ def wing(kind: str, clamp: float = 0.0) -> fm.Builder:
 
 
 def wing_loaded(
-    kind: str, lever: float, masses: Any, clamp: float = 0.0, weight: bool = False
+    kind: str, lever: float, masses: Any, clamp: float = 0.0, weight: bool = False, outboard: float = 0.0
 ) -> dict[str, np.ndarray]:
     """Displacement and twist of the wing under tip masses.
 
@@ -70,22 +81,24 @@ def wing_loaded(
         masses: Of several loads [kg].
         clamp: Compliance of the root [rad/(N m)].
         weight: Whether the wing's own weight acts. Results are what is added to its sag.
+        outboard: How far beyond the tip the masses hang [m].
 
     Returns:
-        "displacement" down of the axis at the tip, "at the mass" of the place where it hangs [% of the span], "twist":
+        "displacement" down of the axis at the tip, "at mid-chord" there, and "at the mass" [% of the span], "twist":
         angle of the chord with the horizontal, "about the axis": angle in the section of the tip [deg].
     """
     b, tip = wing(kind, clamp), f"n{len(WING['nodes']) - 1}"
-    b.node("mass", (lever, SPAN, 0.0))
+    b.node("mass", (lever, SPAN + outboard, 0.0))
+    b.node("mid-chord", (MID_CHORD, SPAN, 0.0))
+    b.add(spatial.rigid_body, tip, "mid-chord", name="rib")
     b.add(spatial.rigid_body, tip, "mass", name="arm")
     b.force("mass", (0.0, 0.0, -GRAVITY), increment=True)
     if weight:
         b.gravity((0.0, 0.0, -GRAVITY))
     model = b.build()
     found = fm.equilibria(model, increment=jnp.asarray([0.0, *masses]))
-    down = {
-        name: -np.asarray(found.position(node, "z")) for name, node in (("displacement", tip), ("at the mass", "mass"))
-    }
+    places = {"displacement": tip, "at mid-chord": "mid-chord", "at the mass": "mass"}
+    down = {name: -np.asarray(found.position(node, "z")) for name, node in places.items()}
     chord, span = (np.array([fm.rotations.to_matrix(one)[:, k] for one in found.at(f"{tip}.rotation")]) for k in (0, 1))
     level = np.cross(span, [0.0, 0.0, 1.0])
     level /= np.linalg.norm(level, axis=1)[:, None]
@@ -124,15 +137,16 @@ def sunk(model: fm.Model) -> Any:
 ORDERS = (6, 4)
 
 
-def strip(sweep: float) -> fm.Model:
+def strip(sweep: float, modulus: float = 73.08e9, offset: float = 2.5 * INCH) -> fm.Model:
     """Epps and Chandra's strip in space, whose hub turns about z and whose tip is swept in the plane of rotation."""
-    aluminium = fm.Material(E=73.08e9, G=73.08e9 / 2.65, rho=2682)
+    aluminium = fm.Material(E=modulus, nu=0.325, rho=2682)
     section = fm.Rectangle(width=INCH, thickness=0.063 * INCH, material=aluminium)
     sine, cosine = np.sin(np.radians(sweep)), np.cos(np.radians(sweep))
     b = fm.Builder()
-    places = {"hub": (0, 0, 0), "root": (2.5, 0, 0), "bend": (34, 0, 0), "tip": (34 + 6 * cosine, -6 * sine, 0)}
+    bend = offset + 31.5 * INCH
+    places = {"hub": 0.0, "root": offset, "bend": bend, "tip": bend + 6 * INCH * cosine}
     for name, place in places.items():
-        b.node(name, [INCH * one for one in place])
+        b.node(name, (place, -6 * INCH * sine if name == "tip" else 0.0, 0.0))
     b.fix("hub", "x", "y", "z")
     b.prescribe("hub", "rotation", 0.0, axis=(0, 0, 1), tilt="fixed")
     b.add(spatial.rigid_body, "hub", "root", name="arm")
