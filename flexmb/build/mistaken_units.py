@@ -55,13 +55,15 @@ def _of_material(material: Any) -> Iterator[str]:
         yield f"E = {modulus:g} Pa, as soft as a gel: is it in {unit}?"
     if density > DENSEST_SOLID:
         yield f"rho = {density:g} kg/m^3, denser than any solid"
-    elif modulus >= SOFTEST_STIFF_SOLID and 0.5 < density < LIGHTEST_STIFF_SOLID:
+    # A density of one stands for any mass.
+    elif modulus >= SOFTEST_STIFF_SOLID and 0.5 < density < LIGHTEST_STIFF_SOLID and density != 1.0:
         yield f"rho = {density:g} kg/m^3, lighter than any stiff solid: is it in g/cm^3?"
     for name in ("strength", "fatigue"):
         stress = getattr(material, name)
         if stress is not None and float(stress) < WEAKEST_SOLID * modulus:
             yield f"{name} = {float(stress):g} Pa, less than a millionth of E: is it in MPa?"
-    if material.alpha is not None and abs(float(material.alpha)) > LARGEST_EXPANSION:
+    expands = modulus >= SOFTEST_STIFF_SOLID and material.alpha is not None
+    if expands and abs(float(material.alpha)) > LARGEST_EXPANSION:
         yield f"alpha = {float(material.alpha):g} 1/K: is it in 1e-6/K?"
 
 
