@@ -62,9 +62,9 @@ def _of_material(material: Any) -> Iterator[str]:
         stress = getattr(material, name)
         if stress is not None and float(stress) < WEAKEST_SOLID * modulus:
             yield f"{name} = {float(stress):g} Pa, less than a millionth of E: is it in MPa?"
-    expands = modulus >= SOFTEST_STIFF_SOLID and material.alpha is not None
-    if expands and abs(float(material.alpha)) > LARGEST_EXPANSION:
-        yield f"alpha = {float(material.alpha):g} 1/K: is it in 1e-6/K?"
+    alpha: Any = material.alpha
+    if alpha is not None and modulus >= SOFTEST_STIFF_SOLID and abs(float(alpha)) > LARGEST_EXPANSION:
+        yield f"alpha = {float(alpha):g} 1/K: is it in 1e-6/K?"
 
 
 def warn_of_section(of: str, section: Section) -> None:
