@@ -403,8 +403,12 @@ class Leaf(Sheared):
             own = own + jnp.einsum("n,na,nb->ab", weights * softer, sideways, sideways)
             drawn = stiff * wide**2 * twisted
             both = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
+            keeps = relaxing(fourth)
+            pulled = bending * nu / (1 - nu**2) * fourth * keeps / 180 * curved / (curved**2 + TINY) * 2 * twisted
+            both = both + jnp.einsum("n,na,nb->ab", weights * pulled, bent, rate)
             own = own + both + both.T
-            own = own + jnp.einsum("n,na,nb->ab", weights * drawn * wide**2 * twisted / 80, rate, rate)
+            drawn = drawn * wide**2 * twisted * (1 / 144 + keeps / 180)
+            own = own + jnp.einsum("n,na,nb->ab", weights * drawn, rate, rate)
         return own * length
 
     def initial_at(self, places: Any) -> tuple[Any, Any]:
@@ -468,14 +472,15 @@ class Leaf(Sheared):
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
         # u^4 is a smooth function of the curvature.
-        fourth = 3 * (1 - nu**2) * ((curved + bent) * wide**2 / thick) ** 2
-        bending, keeps = bending * nu / (1 - nu**2), curving(fourth)
-        flatter, initial = bending * (1 - keeps), None
-        if self.initial is not None:
-            # The matrix contains the quadratic part.
-            initial = 3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2
-            flatter = bending * (curving(initial) - keeps)
-        found = 0.5 * length * (weights * free) @ (nu * flatter * bent**2)
+        scale = 3 * (1 - nu**2) * (wide**2 / thick) ** 2
+        fourth = scale * (curved + bent) ** 2
+        bending, keeps = bending * nu / (1 - nu**2), relaxing(fourth)
+        initial = None if self.initial is None else scale * curved**2
+        kept = 0.0 if initial is None else relaxing(initial)
+        flatter = bending * fourth * keeps / 180
+        # The matrix contains the quadratic part.
+        first = 0.0 if initial is None else bending * initial * kept / 180
+        found = 0.5 * length * (weights * free) @ (nu * (flatter - first) * bent**2)
         if rates is None:
             return found
         # Distortion of the cross-section in sideways bending.
@@ -483,13 +488,13 @@ class Leaf(Sheared):
         softer = softer * self.distorted(places, length) * stiff * wide**2 / 12
         found = found + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
         rate = rates @ c
-        square = (wide * rate) ** 2
-        drawn = stiff * (stretch * square / 24 + square**2 / 640) + flatter * rate**2
-        if self.initial is not None:
-            longer = wide**2 * rate * (2 * twisted + rate)
-            drawn = stiff * (stretch * square / 24 + (longer**2 - 4 * (wide * twisted) ** 2 * square) / 640)
-            drawn = drawn + bending * (1 - keeps) * share_of_change(bent, curved) * rate**2
-        return found + length * weights @ drawn
+        longer, before = rate * (2 * twisted + rate), 2 * twisted * rate
+        drawn = stiff * (stretch * rate**2 / 24 + wide**2 * (longer**2 - before**2) / 1152) * wide**2
+        drawn = drawn + stiff * wide**4 * (keeps * longer**2 - kept * before**2) / 1440
+        pulled = flatter * longer
+        if initial is not None:
+            pulled = pulled * share_of_change(bent, curved) - first * share_at_rest(bent, curved) * before
+        return found + length * weights @ (drawn + pulled)
 
     def _numbers(self, places: Float[Array, "n"], length: Float[Array, ""]):
         """Width, thickness, Poisson's ratio, EA and EIy; at each place if the section varies."""
@@ -507,6 +512,11 @@ def share_of_change(change: Any, initial: Any) -> Any:
     """Return the change of a curvature over the whole curvature; zero if the whole curvature is zero."""
     whole = initial + change
     return change * whole / (whole**2 + TINY)
+
+
+def share_at_rest(change: Any, initial: Any) -> Any:
+    """Return the change of a curvature over the initial curvature; zero without initial curvature."""
+    return change * initial / (initial**2 + TINY)
 
 
 def leaf_of(section: Any, clamped: Any, initial: Any = None, skew: Any = None, clamp: Any = None) -> Any:
@@ -541,6 +551,21 @@ def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
     above = less**2 / 2 + 2 * sine**2 * (1 + less)
     below = 2 * sine * cosine * (1 + less) - less * (2 + less) / 2
     return 2 / u * above / below
+
+
+@pointwise
+def relaxing(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
+    """Return the share of the stress of twist that a bent strip keeps, by u^4.
+
+    Returns 180 (1 - F)/u^4 with F of :func:`curving`, the same shape [-]: 1 for small u, 180/u^4 for large. Source:
+    THEORY.md 2, eq. (2.65).
+    """
+    small = fourth < DISTORTION_SERIES
+    v, large = jnp.where(small, fourth, 0.0), jnp.where(small, 1.0, fourth)
+    factorials = [(math.factorial(4 * k + 1), math.factorial(4 * k + 2)) for k in range(5)]
+    above = sum(v ** (k - 1) * (1 / one - 2 / two) for k, (one, two) in enumerate(factorials) if k)
+    below = sum(v**k / one for k, (one, _) in enumerate(factorials[:4]))
+    return 180 * jnp.where(small, above / below, (1 - curving(large)) / large)
 
 
 @pointwise

@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_floats, holds
 from ..compilation.record import Record
-from ..math.quadrature import gauss, legendre_values_at
+from ..math.quadrature import gauss, legendre_values, legendre_values_at
 from .roots import STRETCHED, bent_spread, spread
 from .sections import Rectangle
 from .spectral import relative, rigidities
@@ -34,6 +34,9 @@ SCREW = np.eye(6)[[3, 4, 5, 0, 1, 2]]
 ZONE, HALF = 1.0, 0.5
 # The zone of an elastic root is this share of the zone of a cut, since a root acts at the end itself.
 AT_ROOT = 0.05
+# Mean distance from a skew end, over the width, of the part that the clamp holds in bending: the ratio of the terms
+# VzMy and MyMy of (2.48), from 0.11 at small angles to 0.15 at 30 degrees.
+HELD_AT = 0.13
 # Limit of the angles of skew cuts, just below a right angle [rad].
 STEEPEST = np.radians(89.0)
 # The fits of skew cuts are polynomials in Poisson's ratio minus this number.
@@ -179,27 +182,26 @@ def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
     return jnp.diag(given)
 
 
+def cuts(leaf: Any, length: Any) -> Any:
+    """Return the compliances of the skew cuts of both ends of a leaf spring, in axes of the end sections, (2, 6, 6)."""
+    turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
+    return jax.vmap(lambda place, sign, angle: sign * skew_compliance(angle, leaf.rectangle(place, length)))(
+        ENDS, turned, leaf.ends.skew
+    )
+
+
 def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6"]]]:
-    """Return the compliances of both ends of a leaf spring, in axes of the end sections.
+    """Return the compliances that act at both ends of a leaf spring themselves, in axes of the end sections.
 
     Returns:
-        Factor on the length of the zone, and the compliances of both ends. Cuts and steps come first, then roots. An
-        absent kind has no entry.
+        Factor on the length of the zone, and the compliances of both ends. Steps come first, then roots. An absent
+        kind has no entry.
     """
-    skew, clamp, beside = leaf.ends.skew, leaf.ends.clamp, leaf.ends.beside
-
-    def shape(place: Any, turned: Any, angle: Any, sizes: Any):
-        rectangle, own = leaf.rectangle(place, length), 0.0
-        if skew is not None:
-            own = own + skew_compliance(angle, rectangle)
-        if beside is not None:
-            own = own + step_compliance(sizes[0], sizes[1], rectangle)
-        return turned * own
-
-    found = []
-    if skew is not None or beside is not None:
+    clamp, beside, found = leaf.ends.clamp, leaf.ends.beside, []
+    if beside is not None:
         turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
-        found.append((1.0, jax.vmap(shape)(ENDS, turned, skew, None if beside is None else beside.T)))
+        steps = jax.vmap(lambda place, sizes: step_compliance(sizes[0], sizes[1], leaf.rectangle(place, length)))
+        found.append((1.0, turned * steps(ENDS, beside.T)))
     if clamp is not None:
         roots = [jnp.zeros((6, 6)) if root is None else root_compliance(root) for root in clamp]
         found.append((AT_ROOT, jnp.stack(roots)))
@@ -217,12 +219,20 @@ def _rigidities(leaf: Any, length: Any, names: Sequence[str]) -> dict[str, Any]:
     return {name: signs.get(name, 1.0) * found[i] for i, name in enumerate(names)}
 
 
-def _torque(leaf: Any, order: int, length: Any) -> Float[Array, "order"]:
-    """Angle between the ends by each coefficient of twist, without warping, over the angle by the first coefficient."""
-    layers = jnp.stack(leaf.layers(length))
-    faded = layers * jnp.tanh(1 / (2 * layers))
-    angles = np.eye(order)[0] - faded[0] * (-1.0) ** np.arange(order) - faded[1]
-    return angles / angles[0]
+def _torque(layer: Any, order: int, places: Any) -> Float[Array, "n order"]:
+    """Torque at places by each coefficient of twist, over the torque by the first coefficient.
+
+    The functions of (2.24) that decay from the ends cause no torque. Source: THEORY.md 2, eq. (2.66).
+
+    Args:
+        layer: Distance over which twist builds up at the end, over the length, () [-].
+        places: Distances from the end over the length, (n,) [-].
+    """
+    twice = np.zeros((order, order))
+    for k in range(2, order):
+        # Second derivatives by the place, which goes from 0 to 1.
+        twice[: k - 1, k] = 4 * np.polynomial.legendre.legder(np.eye(k + 1)[k], 2)
+    return legendre_values_at(order, places) @ (np.eye(order) - layer**2 * twice)
 
 
 def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], share: float) -> Float[Array, "2 6 c"]:
@@ -236,19 +246,23 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
         share: Factor on the length of the zone, see :func:`compliances`.
     """
     stiff = {name: number / length for name, number in _rigidities(leaf, length, names).items()}
-    nodes, weights = gauss(order // 2 + 2)
+    nodes, weights = gauss(order // 2 + 3)
     tests = np.stack([weights, weights * nodes])
     none, spots = jnp.zeros((len(names), order)), np.eye(len(names))[:, :, None]
-    torque = _torque(leaf, order, length) if "GIt" in names else none
+    layers = jnp.stack(leaf.layers(length)) if "GIt" in names else ENDS
+    # The weight is zero at both ends of the zone: the energy then bounds the mean torque.
+    mean_torque = weights * 6 * nodes * (1 - nodes)
 
-    def at_end(place: Any, turned: Any, alternating: Any):
+    def at_end(place: Any, turned: Any, alternating: Any, layer: Any):
         zone = share * jnp.minimum(ZONE * leaf.rectangle(place, length).width, HALF * length)
         shapes = legendre_values_at(order, zone / length * nodes) * alternating
         mean, first = tests @ shapes
         placed = {name: stiff[name] * spots[i] for i, name in enumerate(names)}
         rows = {name: placed[name] * mean if name in names else none for name in FIELDS}
         if "GIt" in names:
-            rows["GIt"] = placed["GIt"] * torque
+            # The torque is a mean value: its zone may be longer than half of the leaf spring.
+            far = share * jnp.minimum(ZONE * leaf.rectangle(place, length).width, length)
+            rows["GIt"] = placed["GIt"] * (mean_torque @ _torque(layer, order, far / length * nodes) * alternating)
         for bend, shear, sign in (("EIy", "GAz", 1.0), ("EIz", "GAy", -1.0)):
             if bend not in names:
                 continue
@@ -263,20 +277,80 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
         return jnp.stack([rows[name].reshape(-1) for name in FIELDS])
 
     signs = np.array([1.0, -1.0])
-    found = jax.vmap(at_end)(ENDS, signs, signs[:, None] ** np.arange(order))
+    found = jax.vmap(at_end)(ENDS, signs, signs[:, None] ** np.arange(order), layers)
     return jnp.pad(found, ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
 
 
-def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"]:
-    """Return displacements and rotations that both ends add to the line, by the coefficients, in axes of the ends."""
+def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"] | None:
+    """Return displacements and rotations of the line at both ends, by the coefficients, in axes of the ends.
+
+    Returns None without steps and roots.
+    """
     own = compliances(leaf, length)
-    return sum((matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in own), jnp.zeros(()))
+    moved = [matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in own]
+    return sum(moved[1:], moved[0]) if moved else None
+
+
+def spread_cuts(leaf: Any, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s 3 6 c"]:
+    """Return what skew cuts add to the strains at the three Gauss nodes of each step, times length.
+
+    Returns stretch, shears, twist and curvatures by the coefficients, (s, 3, 6, c) [-]; they have the same moments over
+    a step as the weights of (2.67).
+
+    Args:
+        steps: Sizes of the steps over the length of the leaf spring, (s,).
+    """
+    motions = cuts(leaf, length) @ end_resultants(leaf, order, length, names, 1.0)
+    ends = jnp.cumsum(jnp.asarray(steps))
+    starts = ends - steps
+    layers = jnp.stack(leaf.layers(length))
+
+    def of_end(place: Any, motion: Any, layer: Any):
+        held = HELD_AT * leaf.rectangle(place, length).width / length
+        within = jnp.stack([jnp.abs(place - ends), jnp.abs(place - starts)])
+        turned = 1 - 2 * place
+        weights = [_weights(jnp.min(within, axis=0), jnp.max(within, axis=0), mean, turned) for mean in (held, layer)]
+        # The same motion, seen from the middle of the part where it arises.
+        away = turned * held * length
+        moved = motion.at[2].add(-away * motion[4]).at[1].add(away * motion[5])
+        twisted = np.arange(6)[:, None] == 3
+        return sum(
+            weight[:, :, None, None] * jnp.where(chosen, moved, 0.0)
+            for weight, chosen in zip(weights, (~twisted, twisted), strict=True)
+        )
+
+    return jnp.sum(jax.vmap(of_end)(ENDS, motions, layers), axis=0)
+
+
+def _weights(near: Any, far: Any, mean: Any, turned: Any) -> Float[Array, "s 3"]:
+    """Weights at the three Gauss nodes of steps whose sum along the leaf spring is 1 and whose mean distance is given.
+
+    The weight is 12 x (1 - x)^2 of the distance x over 2.5 times the mean distance.
+
+    Args:
+        near: Distances of the nearer ends of the steps from an end of the leaf spring, over its length, (s,).
+        far: Distances of the farther ends, (s,).
+        mean: Mean distance, () [-].
+        turned: 1 at the first end, -1 at the last.
+    """
+    reach = 2.5 * mean
+    nodes, weights = gauss(3)
+    sizes = jnp.minimum(far, reach) - jnp.minimum(near, reach)
+    x = (jnp.minimum(near, reach)[:, None] + sizes[:, None] * nodes) / reach
+    whole = jnp.where(far > near, far - near, 1.0)[:, None]
+    # Places within the steps count from their first ends.
+    inside = 0.5 + turned * ((x * reach - near[:, None]) / whole - 0.5)
+    share = 12 * x * (1 - x) ** 2 / reach * weights * sizes[:, None] / whole
+    back = legendre_values(3, nodes) * (2.0 * np.arange(3) + 1)
+    return jnp.einsum("gk,snk,sn->sg", back, legendre_values_at(3, inside.reshape(-1)).reshape(*inside.shape, 3), share)
 
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:
     """Return the matrix that the ends add to the stiffness matrix of a leaf spring. Source: THEORY.md 2, eq. (2.47)."""
-    found = jnp.zeros(())
-    for share, matrix in compliances(leaf, length):
+    found, own = jnp.zeros(()), compliances(leaf, length)
+    if leaf.ends.skew is not None:
+        own.append((1.0, cuts(leaf, length)))
+    for share, matrix in own:
         resultants = end_resultants(leaf, order, length, names, share)
         found = found + jnp.einsum("eic,eij,ejd->cd", resultants, matrix, resultants)
     return found

@@ -176,7 +176,7 @@ shear.
 Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; y (vector that fixes local y,
 along the width); clamped, whether the first end and the last are clamped, such as (True, False), instead of the ends
 that flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight
-cuts [rad], positive if the edge at +y lies further along x; for small displacements); clamp (stiffnesses of elastic
+cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic
 roots along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
 Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
 high with 5 and within 0.5 % with 6.
@@ -185,5 +185,5 @@ flattening and of edge tension; see :mod:`.leaf_stress`. Beyond a tenth of the w
 of solid elements. Nearer to a clamp, solid elements have a singularity at the edges, which the stress does not include.
 The stress does not include the stress across the width at a clamp that stays cold while the leaf spring warms up.
 
-Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59).
+Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59), (2.65) to (2.67).
 """

@@ -48,7 +48,8 @@ def _rule(
         return _constant_rule(order, shear)
     rule = _rule_on(order, shear, section, length, pieces_of(section, length, end))
     if getattr(section, "ends", None) is not None:
-        rule.jumps = IN_PLANE @ jumps(section, order, length, FIELDS[: _count(shear)])
+        at_ends: Any = jumps(section, order, length, FIELDS[: _count(shear)])
+        rule.jumps = IN_PLANE @ at_ends
     return rule
 
 

@@ -17,7 +17,7 @@ from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_en
 from .element import Element
 from .general import General
 from .leaf import Leaf
-from .leaf_ends import SCREW, jumps
+from .leaf_ends import SCREW, jumps, spread_cuts
 from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
 from .spectral import (
@@ -52,9 +52,12 @@ def _rule(
         plain = _rule(order, shear, None, length, end)
         basis = section.moments(order, plain.lengths, length, FIELDS)
         rule = SimpleNamespace(**vars(plain) | {"basis": jnp.einsum("sgfo,fx->sgxo", basis, PLACES)})
-        if section.ends is not None:
-            at_ends = SCREW @ jumps(section, order, length, FIELDS)
-            rule.jumps = at_ends if end is None else at_ends[:1]
+        if section.ends is None:
+            return rule
+        if (at_ends := jumps(section, order, length, FIELDS)) is not None:
+            rule.jumps = SCREW @ (at_ends if end is None else at_ends[:1])
+        if section.ends.skew is not None:
+            rule.basis = rule.basis + SCREW @ spread_cuts(section, order, plain.lengths, length, FIELDS)
         return rule
     if end is None and (section is None or not section.varies):
         return _constant_rule(order, shear)
