@@ -213,6 +213,72 @@ def test_a_skew_foot_at_strokes_beside_solid_elements(width, angle, tolerance, s
         assert np.all(np.abs(np.array(found) / numbers - 1) < [0.02, tolerance, 0.025])
 
 
+def with_cut(angle: Any, order: int = 4, fixed: tuple[str, ...] = (), load: Any = None) -> fm.Builder:
+    """100 x 30 x 0.5 mm with a foot that is cut at an angle, and a body of 50 g at its tip."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    leaf = spatial.leaf_spring(order=order)
+    clamped = (True, True)
+    b.add(leaf, "foot", "tip", section=WIDE, y=(0, 1, 0), clamped=clamped, skew=jnp.stack([angle, jnp.zeros(())]))
+    b.inertia("tip", (2e-5, 0, 0, 2e-5, 0, 2e-5))
+    b.mass("tip", 0.05)
+    b.fix("foot")
+    for part in fixed:
+        b.fix("tip", part)
+    if load is not None:
+        b.force("tip", load)
+    return b
+
+
+# What is held at the tip, load, and critical load [N]; both meshes differ by 0.2 %.
+BUCKLED = {
+    "column": ((), (-1.0, 0.0, 0.0), 17.7368),
+    "guided column": (("rotation", "y", "z"), (-1.0, 0.0, 0.0), 290.018),
+    "sideways": ((), (0.0, 1.0, 0.0), 38.97),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", BUCKLED)
+def test_buckling_of_a_skew_leaf_spring_beside_solid_elements(case):
+    """C3D20R, foot cut at 30 degrees, rigid tip."""
+    fixed, load, critical = BUCKLED[case]
+    loads = np.abs(np.asarray(fm.buckling_loads(with_cut(np.radians(30), 6, fixed, load).build())))
+    assert np.min(loads) == approx(critical, rel=0.02)
+
+
+@pytest.mark.slow
+def test_a_sweep_of_skew_angles_is_a_build_at_each_of_them():
+    angles = np.radians([-30.0, 0.0, 20.0])
+
+    def answer(model):
+        return 1e3 * fm.compliance(model, "tip")[2, 3]
+
+    swept = fm.sweep(lambda angle: with_cut(angle, 3).build(), {"answer": answer}, {"angle": angles})
+    built = [float(answer(with_cut(jnp.asarray(angle), 3).build())) for angle in angles]
+    np.testing.assert_allclose(swept.answers["answer"], built, rtol=1e-8, atol=1e-12)
+    # Bending and torsion couple with the sign of the angle.
+    assert abs(built[1]) < 1e-12
+    assert built[0] < 0 < built[2] or built[2] < 0 < built[0]
+
+
+@pytest.mark.slow
+def test_a_skew_leaf_spring_in_motion():
+    """A small load that begins suddenly: the tip swings about its static place at the first natural frequency."""
+    load = (0.0, 0.0, 1e-3)
+    b = with_cut(np.radians(30), 3, ("rotation", "x", "y"), load)
+    model = b.build()
+    static = float(fm.equilibrium(model).position("tip", "z"))
+    period = 1 / float(np.asarray(fm.frequencies(model))[0])
+    idle = with_cut(np.radians(30), 3, ("rotation", "x", "y")).build()
+    times = period * np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+    moved = fm.simulate(idle, times, loads={"tip.z": lambda t: 1e-3 + 0.0 * t}, rtol=1e-7)
+    found = np.asarray(moved.at("tip"))[:, 2]
+    # Higher modes carry less than a thousandth.
+    np.testing.assert_allclose(found, static * (1 - np.cos(2 * np.pi * times / period)), atol=2e-3 * static)
+
+
 # -- steps in width and thickness -------------------------------------------------------------------------------------
 
 
