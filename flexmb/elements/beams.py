@@ -158,6 +158,14 @@ def drag_by_length(*, ref: Reference, damping: float) -> Array:
     return jnp.kron(damping * beam_length(ref) * CUBIC_MASS, np.eye(ref.p.shape[0]))
 
 
+def drag_laws(axes: str, by_length: bool) -> dict[str, Any]:
+    """Companion, names and options of a drag, of a point or by length, along axes "xy" or "xyz"."""
+    names = tuple(f"{what}{axis}_{end}" for end in "pq" for what in ("", "axis_") for axis in axes)
+    own = {"damping": drag_by_length, "check": check_length} if by_length else {"damping": point_drag}
+    names = names if by_length else tuple(axes)
+    return {**own, "measured": tuple(range(1, len(names) + 1)), "grounded": True, "names": names}
+
+
 def rigid_inertia(p: Array, rot_p: Array, q: Array, *, ref, section: Section):
     """Distributed mass of a rigid line from p, a body with a rotation, to q."""
     return line_inertia(p, q, ref=ref, section=section)

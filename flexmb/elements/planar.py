@@ -327,7 +327,7 @@ def _drag(p: Point2, *, ref: Reference) -> Float[Array, "2"]:
     return beams.point_displacement(p, ref=ref)
 
 
-drag = Element(_drag, damping=beams.point_drag, measured=(1, 2), grounded=True, names=("x", "y"))
+drag = Element(_drag, **beams.drag_laws("xy", by_length=False))
 """Drag of a point in a fluid at rest: force -damping times the velocity. Properties: damping [N s/m].
 
 Deformations: e1 to e2: displacement along x, y [m].
@@ -340,14 +340,7 @@ def _beam_drag(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Referen
     return beams.displacements(p, q, slopes, start, ref)
 
 
-beam_drag = Element(
-    _beam_drag,
-    damping=beams.drag_by_length,
-    check=beams.check_length,
-    measured=tuple(range(1, 9)),
-    grounded=True,
-    names=("x_p", "y_p", "axis_x_p", "axis_y_p", "x_q", "y_q", "axis_x_q", "axis_y_q"),
-)
+beam_drag = Element(_beam_drag, **beams.drag_laws("xy", by_length=True))
 """Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
 
 Deformations: e1 to e4: displacement of p, and length times change of the axis there [m]; e5 to e8: of q.

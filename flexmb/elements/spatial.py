@@ -448,7 +448,7 @@ def _drag(p: Point3, *, ref: Reference) -> Float[Array, "3"]:
     return beams.point_displacement(p, ref=ref)
 
 
-drag = Element(_drag, damping=beams.point_drag, measured=(1, 2, 3), grounded=True, names=("x", "y", "z"))
+drag = Element(_drag, **beams.drag_laws("xyz", by_length=False))
 """Drag of a point in a fluid at rest: force -damping times the velocity. Properties: damping [N s/m].
 
 Deformations: e1 to e3: displacement along x, y, z [m].
@@ -461,14 +461,7 @@ def _beam_drag(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref:
     return beams.displacements(p, q, slopes, start, ref)
 
 
-beam_drag = Element(
-    _beam_drag,
-    damping=beams.drag_by_length,
-    check=beams.check_length,
-    measured=tuple(range(1, 13)),
-    grounded=True,
-    names=tuple(f"{what}{axis}_{end}" for end in "pq" for what in ("", "axis_") for axis in "xyz"),
-)
+beam_drag = Element(_beam_drag, **beams.drag_laws("xyz", by_length=True))
 """Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
 
 Deformations: e1 to e6: displacement of p, and length times change of the axis there [m]; e7 to e12: of q.
