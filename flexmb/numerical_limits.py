@@ -737,6 +737,10 @@ mechanism would be determined to ten digits or fewer."""
 CLEARLY_INDEPENDENT = 1e-2
 """The same if better candidates follow."""
 
+TURNS_BACK = 2.0
+"""How much more a position must change than a rotation, in extents per radian, to be the better degree of freedom. The
+mechanism is determined to half a digit less by the rotation, but over the whole turn."""
+
 CANNOT_MOVE = 1e-7
 """Change of a degree of freedom per unit motion below which it cannot move: null spaces carry the square root of
 round-off."""

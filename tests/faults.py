@@ -4544,6 +4544,43 @@ FAULTS = [
         "build/test_dofs.py -k are_known_as_found",
     ),
     Fault(
+        "build/dofs.py",
+        'effects[[model.labels.x[i].kind == "position" for i in free]] /= TURNS_BACK',
+        "pass",
+        "build/test_dofs.py -k swings_by",
+    ),
+    Fault("build/dofs.py", "if block.element.grounded]", "if False]", "build/test_dofs.py -k drag_changes"),
+    Fault(
+        "build/dofs.py",
+        "(1 + (entry.component > 1))",
+        "0",
+        "statics/test_prescribed_rotation.py -k released_about_another",
+    ),
+    Fault(
+        "build/tilts.py",
+        "found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.FIXED]",
+        "found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.DEPENDENT]",
+        "statics/test_prescribed_rotation.py -k turns_as_far",
+    ),
+    Fault(
+        "build/tilts.py",
+        "and moved.isdisjoint({*turns} - {*free})",
+        "",
+        "statics/test_prescribed_rotation.py -k input_turns",
+    ),
+    Fault(
+        "motion/drives_by_name.py",
+        "for holding in labels.holding(str(name)):",
+        "for holding in ():",
+        "statics/test_prescribed_rotation.py -k two_axes_are_refused",
+    ),
+    Fault(
+        "checks/releases.py",
+        "axes[entry.component - 1]",
+        "axes[entry.component % 3]",
+        "statics/test_prescribed_rotation.py -k released_about_another",
+    ),
+    Fault(
         "build/builder.py",
         "described if check else with_started(described)",
         "described",

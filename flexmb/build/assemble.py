@@ -25,6 +25,7 @@ from ..model.parameters import Loads, Parameters
 from ..model.roles import HELD, Role
 from ..model.topology import Block, RoleIndices, Topology
 from .description import Description, Key, NamedSignal, turn_about
+from .tilts import with_tilts
 
 UNIT_NORM = Element(unit_norm)
 
@@ -58,6 +59,7 @@ def _powers(kind: NodeKind) -> tuple[int, ...]:
 
 def assemble(builder: Description) -> Model:
     """Model of a builder's contents, unchecked."""
+    builder = with_tilts(builder)
     names = list(builder.nodes)
     starts = np.cumsum([0] + [builder.nodes[n].kind.size for n in names])
     first_x = dict(zip(names, starts.tolist(), strict=False))
@@ -155,6 +157,7 @@ def with_roles(model: Model, builder: Description) -> Model:
     """As :func:`assemble`, if only the roles of free coordinates and deformations have changed since."""
     if builder.starts:
         return assemble(builder)
+    builder = with_tilts(builder)
     places = {"node": {}, "element": {}}
     for kind, entries in (("node", model.labels.x), ("element", model.labels.e)):
         for i, entry in enumerate(entries):

@@ -225,6 +225,8 @@ class Builder(Description):
             part = self._rotation_name(node) if any(key[0] == "element" for key in keys) else ""
             if part and all(self._role(turn_about(self, part, i)) is Role.FIXED for i in range(3)):
                 self.fix(node, "rotation")
+            elif part:
+                self._measure_third(part)
             return
         if node not in self.nodes:
             self._unknown_node(node, "fix")

@@ -117,7 +117,15 @@ class Description:
             if all(self._role(one) is Role.FIXED for one in whole):
                 self._set_roles(whole, Role.DEPENDENT)
                 self._set_roles([turn for i in range(3) if (turn := turn_about(self, part, i)) != key], Role.FIXED)
+            self._set_roles([key], Role.DEPENDENT)
+            self._measure_third(part)
         self._set_roles([key], Role.DEPENDENT)
+
+    def _measure_third(self, rotation: str) -> None:
+        """Add the hinge about the third global axis to a rotation that is FIXED about both other ones."""
+        free = [turn for axis in range(3) if self._role(turn := turn_about(self, rotation, axis)) is not Role.FIXED]
+        if len(free) == 1:
+            self._owner(free[0])
 
     @recorded
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:

@@ -11,10 +11,10 @@ import numpy as np
 from ..checks.mobility import Constraints, constraints, mobility_of, motions_of
 from ..errors import MechanismError, ModelError, warn
 from ..math.subspace import above, determines, independent_rows, row_sizes
-from ..model.by_name import TURNS, turn_of
+from ..model.by_name import TURN_OF, TURNS, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.roles import HELD
-from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT
+from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT, TURNS_BACK
 from .assemble import assemble, with_roles
 from .clamps import with_clamps
 from .description import Description
@@ -85,9 +85,9 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
             held = all(role in HELD for role in roles)
             of = "" if part.of_element else labels.x[part.index].of
             if part.quantity == "moment" and not (held or part.local):
-                # The hinge that turns or holds the rotation about this axis.
-                hinge = labels.place(f"{of}.{TURNS[part.axis or 0]}")
-                roles = roles if hinge is None else [e_roles[hinge[1]]]
+                # Hinges that turn or hold the rotation about this axis.
+                own = [e_roles[i] for i in labels.holding(f"{of}.{TURNS[part.axis or 0]}")]
+                roles = [role for role in own if role in HELD] or roles
                 held = roles[0] in HELD
             moves = part.quantity in MOTIONS
             called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
@@ -178,6 +178,20 @@ def _independent(
     return chosen, rest
 
 
+def _candidates(model: Model) -> np.ndarray:
+    """DEPENDENT deformations that may become degrees of freedom.
+
+    Displacements relative to the ground are coordinates already, or have a turning point. Hinges that only name a
+    rotation come last, first their angles, then their tilts, which reach no further than half a turn.
+    """
+    released = np.asarray(model.topology.e.dependent)
+    grounded = [np.ravel(block.e) for block in model.topology.blocks if block.element.grounded]
+    released = np.setdiff1d(released, np.concatenate([*grounded, np.zeros(0, int)]))
+    entries = [model.labels.e[i] for i in released]
+    last = [entry.of.startswith(TURN_OF) * (1 + (entry.component > 1)) for entry in entries]
+    return released[np.argsort(last, kind="stable")]
+
+
 def _stretches(model: Model) -> np.ndarray:
     """Coefficients of elongations and shears, and warpings of ends."""
     found = []
@@ -208,7 +222,7 @@ def choose(model: Model, motions: Any, named: Any, found: Constraints | None = N
         found: Constraints of the model, if known.
     """
     topology = model.topology
-    released = np.asarray(topology.e.dependent)
+    released = _candidates(model)
     first, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
     wanted = motions.shape[1] - len(first)
     # Rows of unit size: all deformations of an element matter alike, whatever their units.
@@ -216,12 +230,16 @@ def choose(model: Model, motions: Any, named: Any, found: Constraints | None = N
     if not isinstance(motions, np.ndarray):
         effects = effects @ rest
         if effects.shape[0] == wanted == effects.shape[1] and determines(effects):
-            return [], released.tolist()
+            return [], sorted(released.tolist())
         first = []
     else:
         first, rest = _independent(model, released.tolist(), effects, rest, wanted, named.shape[0] > 0)
     free = np.asarray(topology.x.dependent)
-    second, _ = independent_rows(motions[free] @ rest, wanted - len(first), 0.0)
+    effects = motions[free] @ rest
+    if isinstance(motions, np.ndarray):
+        # A rotation reaches further than a position, which turns back after a quarter of a turn.
+        effects[[model.labels.x[i].kind == "position" for i in free]] /= TURNS_BACK
+    second, _ = independent_rows(effects, wanted - len(first), 0.0)
     return [int(free[i]) for i in sorted(second)], sorted(first)
 
 

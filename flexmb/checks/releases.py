@@ -10,7 +10,7 @@ from ..elements.element import ELASTIC
 from ..math.linear import uneven
 from ..math.subspace import dense, null_spaces
 from ..mechanics.deformation import on_host
-from ..model.by_name import FRAME_OF, TURN_OF, TURNS, turned_by
+from ..model.by_name import FRAME_OF, TURN_OF, TURNS, tilted_by, turned_by
 from ..model.model import Entry, Model
 from ..numerical_limits import CLOSED_LOOP, SAME_RANGE, SELF_STRESS, TAKES_NO_PART
 
@@ -136,11 +136,13 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
     rows: list[int] = []
     names: list[tuple[str, int | str]] = []
     for i in sorted(set(_of_elements(model, False)).difference(own)):
-        entry, turn = labels.e[i], turned_by(labels.e[i].of)
-        # A hinge that holds a node about a global axis is named as its support. About other axes it has no name.
-        if not entry.of.startswith(TURN_OF) or (turn[1] and entry.component == 1):
+        entry, (node, axis) = labels.e[i], turned_by(labels.e[i].of)
+        is_turn = entry.of.startswith(TURN_OF)
+        # A hinge that holds a node about global axes is named as its support. About other axes it has no name.
+        if not is_turn or axis:
             rows.append(i)
-            names.append(turn if entry.of.startswith(TURN_OF) else (entry.of, entry.component))
+            axes = (axis, *tilted_by(entry.of))
+            names.append((node, axes[entry.component - 1]) if is_turn else (entry.of, entry.component))
     names += supports
     elements = {name for name, *_ in labels.elements}
     motion = _along_motion(model, constraints, taken, rows, moves)
@@ -252,8 +254,7 @@ def _place(model: Model, motion: _Motion, gap: float | None) -> str:
     ranges = np.ptp(motion.values, axis=0)
     shown = [top.n_x + i for i in angles if ranges[top.n_x + i] > STEP]
     if not shown:
-        sizes = np.array([entry.kind == "position" or entry.symbol == "phi" for entry in model.labels.x])
-        shown = [int(np.argmax(sizes * ranges[: top.n_x]))]
+        shown = [i for i, entry in enumerate(model.labels.x) if entry.kind == "position" or entry.symbol == "phi"]
     # Among equals the first: a rounding difference must not decide.
     most = next(i for i in shown if ranges[i] > (1 - SAME_RANGE) * max(ranges[shown]))
     value = np.interp(gap, np.arange(len(motion.values)), motion.values[:, most])

@@ -36,6 +36,11 @@ def turned_by(element: str) -> tuple[str, str]:
     return (node, axis) if axis in TURNS else (element.removeprefix(TURN_OF), "")
 
 
+def tilted_by(element: str) -> tuple[str, ...]:
+    """Names of the other two global axes, about which deformations 2 and 3 of such a hinge turn the node."""
+    return tuple(axis for axis in TURNS if axis != turned_by(element)[1])
+
+
 def frame_of(node: str) -> str:
     """Name of the rotation from which these hinges start, for a node or its rotation."""
     return FRAME_OF + node.removesuffix(".rotation")

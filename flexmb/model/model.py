@@ -17,7 +17,7 @@ from ..compilation.record import Record, static
 from ..display import AT_MOST, Result, States, Summary, among, kind_of, listed, unit_of, unit_of_force
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
-from .by_name import TURNS, turn_of
+from .by_name import TURNS, tilted_by, turn_of
 from .parameters import Parameters
 from .properties import with_property
 from .roles import Role
@@ -197,6 +197,15 @@ class Labels:
             return None
         own = self.coordinates(f"{of}.rotation") or self.coordinates(of)
         return (own, TURNS.index(component)) if own and self.x[own[0]].kind == "rotation" else None
+
+    def holding(self, name: str) -> list[int]:
+        """Indices in e of deformations of hinges that hold a rotation such as "top.rx" while they are FIXED."""
+        of, _, axis = name.rpartition(".")
+        hinges = {turn_of(of, axis): 1}
+        for other in TURNS:
+            if other != axis:
+                hinges[turn_of(of, other)] = 2 + tilted_by(turn_of(of, other)).index(axis)
+        return [i for i, entry in enumerate(self.e) if hinges.get(entry.of) == entry.component]
 
     def parts(self, node: str) -> list[str]:
         """A node and its rotation, if they exist; for "name.rotation" the rotation. Raises KeyError: No such node."""

@@ -123,6 +123,8 @@ def _load(model: Model, name: str, value: Any) -> Driven:
     if (turned := labels.rotation_of(name)) is not None:
         indices, axis = turned
         _check_acts(model, what, "x", indices)
+        for holding in labels.holding(str(name)):
+            _check_acts(model, what, "e", [holding])
         return _input(Signal(str(name), "moment", indices[0], axis), _function(what, value, 1), None)
     if place is not None:
         kind, index = place

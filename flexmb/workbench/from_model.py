@@ -22,7 +22,7 @@ from ..elements.nodes import ANGLE, POINT2, POINT3, ROTATION3, SERIES2, SERIES3,
 from ..elements.section import MaterialDamping, Section
 from ..elements.sections import Rigidity
 from ..errors import ModelError
-from ..model.by_name import TURN_OF, TURNS, frame_of, turned_by
+from ..model.by_name import TURN_OF, TURNS, frame_of, tilted_by, turned_by
 from ..model.model import Model, Signal
 from ..model.roles import HELD, Role
 
@@ -229,8 +229,13 @@ class _Conversion:
             else:
                 self.builder.fix(self._owner(name), *(["rotation"] if self._owner(name) != name else []))
         for name in self.turns:
-            if self.members[name].roles[0] is Role.FIXED:
-                self.builder.fix(*turned_by(name))
+            node, axis = turned_by(name)
+            first, *tilts = self.members[name].roles
+            fixed = [axis] if first is Role.FIXED else []
+            if axis and tilts == [Role.FIXED] * 2:
+                fixed += tilted_by(name)
+            if fixed:
+                self.builder.fix(node, *fixed)
 
     def _put(self, member: Member) -> None:
         """Put a mass, an inertia, a body or a load on its node."""

@@ -258,3 +258,37 @@ def test_an_unchecked_model_keeps_its_start(how):
     model = b.build(dofs=how, check=False)
     assert model.q_labels == ["b.x"]
     np.testing.assert_array_equal(np.ravel(model.parameters.start), [0.1, -0.2])
+
+
+@pytest.mark.parametrize("drag", [False, True], ids=["free", "drag"])
+@pytest.mark.parametrize("first", [False, True], ids=["drag behind", "drag before"])
+def test_a_pendulum_swings_by_its_angle(drag, first):
+    """Positions turn back after a quarter of a turn. Drag measures displacements, which are no better."""
+    b = fm.Builder()
+    b.node("p", (0, 0))
+    b.node("q", (1, 0))
+    if drag and first:
+        b.add(planar.beam_drag, "p", "q", damping=0.1)
+    b.add(planar.rigid_body, "p", "q")
+    if drag and not first:
+        b.add(planar.beam_drag, "p", "q", damping=0.1)
+    b.fix("p", "position")
+    assert b.build().q_labels == ["p.rotation.phi"]
+
+
+def test_drag_changes_no_degree_of_freedom():
+    section = fm.Rigidity(EA=1e3, EIy=1.0, EIz=1.0, GIt=1.0)
+    found = []
+    for kind, axes in ((planar, 2), (spatial, 3)):
+        for drag in (False, True):
+            b = fm.Builder()
+            b.node("p", (0, 0, 0)[:axes])
+            b.node("q", (0.3, 0.4, 0)[:axes])
+            if drag:
+                b.add(kind.beam_drag, "p", "q", name="along", damping=0.1)
+                b.add(kind.drag, "q", name="ball", damping=0.1)
+            b.add(kind.beam, "p", "q", name="leaf", section=section)
+            b.fix("p")
+            found.append(b.build().q_labels)
+    planar_labels, spatial_labels = ([f"leaf.e{i}" for i in range(1, count + 1)] for count in (3, 6))
+    assert found == [planar_labels, planar_labels, spatial_labels, spatial_labels]

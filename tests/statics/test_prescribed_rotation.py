@@ -383,3 +383,75 @@ def test_an_angle_about_a_global_axis_is_a_degree_of_freedom():
     pushed = fm.simulate(model, times, loads={"B.rx": lambda t: 0.4}, rtol=1e-8)
     still = 0.4 / 8.0
     np.testing.assert_allclose(pushed.rotation("B", "rx"), still + (0.1 - still) * np.cos(rate * times), atol=1e-6)
+
+
+def crank(*calls) -> fm.Builder:
+    """A bar of 1 m along y, which may turn about x alone."""
+    b = fm.Builder()
+    b.node("A", (0, 0, 0))
+    b.node("B", (0, 1.0, 0))
+    b.add(spatial.rigid_beam, "A", "B", name="bar")
+    for call, *given in calls:
+        getattr(b, call)("A", *given)
+    b.mass("B", 1.0)
+    return b
+
+
+ABOUT_X = {
+    "released": (("fix",), ("release", "rx")),
+    "fixed": (("fix", "position"), ("fix", "ry"), ("fix", "rz")),
+    "prescribed": (("fix", "position"), ("prescribe", "rx", 4.0), ("fix", "ry", "rz")),
+}
+
+
+@pytest.mark.parametrize("how", ABOUT_X)
+def test_what_may_turn_about_one_axis_turns_as_far_as_it_likes(how):
+    """Beyond half a turn too, where its angles about both other axes are not determined."""
+    b = crank(*ABOUT_X[how])
+    model = b.build()
+    if how == "prescribed":
+        b.force("B", (1.0, 0, 0))
+        state = fm.equilibrium(b.build())
+        moment = -np.cross(state.position("B"), (1.0, 0, 0))
+        np.testing.assert_allclose(state.reaction("A")[3:], moment, atol=1e-9)
+    else:
+        assert model.q_labels == ["turn of A.rx.e1"]
+        state = fm.configuration(model, [4.0])
+    # Newton's method ends at 1e-10.
+    np.testing.assert_allclose(state.position("B"), [0, np.cos(4.0), np.sin(4.0)], atol=1e-9)
+
+
+def test_a_support_about_one_axis_is_released_about_another():
+    """Releases act one after the other, in any order; a proposal names the support, whose release builds."""
+    b = crank(*ABOUT_X["released"])
+    b.release("A", "ry")
+    assert b.build().topology.n_q == 2
+    b.fix("A", "ry")
+    assert b.build().q_labels == ["turn of A.rx.e1"]
+    b.fix("B", "x")
+    found = fm.mobility(b.build(check=False))
+    assert {one[:2] for one in found.candidates[0]} == {("A", "rz"), ("A", "x"), ("B", "x")}
+    released = b.build(release="auto")
+    assert released.topology.n_q == 1
+    np.testing.assert_allclose(
+        fm.configuration(released, [4.0]).position("B"), [0, np.cos(4.0), np.sin(4.0)], atol=1e-9
+    )
+
+
+def test_moments_on_what_is_held_about_two_axes_are_refused():
+    b = crank(*ABOUT_X["fixed"])
+    with pytest.raises(fm.ModelError, match=r"Load 'A\.rz' acts on a FIXED coordinate or deformation"):
+        fm.simulate(b.build(), [0.0, 0.1], loads={"A.rz": jnp.cos})
+    b.input("A", "rz")
+    with pytest.raises(fm.ModelError, match=r"acts on a rotation that is fixed, so it has no effect"):
+        b.build()
+
+
+def test_a_support_that_an_input_turns_is_held_by_angles():
+    """The ground turns about z: its acceleration pushes the bar along x by the reaction of its mass."""
+    b = crank(*ABOUT_X["fixed"])
+    b.input("A", "rz", "acceleration")
+    b.output("A", "rz", "reaction")
+    model = b.build()
+    response = fm.to_statespace(fm.linearize(model))(3j)
+    np.testing.assert_allclose(response, 1.0, rtol=1e-9)

@@ -298,6 +298,12 @@ def test_angles_about_global_axes(what):
     assert left_out == []
     assert not any("turn of" in str(thing) for thing in document.things)
     check_same_contents(rebuilt(document), b)
+    model = b.build()
+    again, left_out = document_of(model)
+    assert left_out == []
+    assert not any("turn of" in str(thing) for thing in again.things)
+    names = [{str(own.labels.e[i]) for i in own.topology.e.fixed} for own in (model, rebuilt(again).build())]
+    assert names[0] == names[1]
 
 
 @pytest.mark.slow

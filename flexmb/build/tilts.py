@@ -1,0 +1,43 @@
+"""Rotations in space that are FIXED about two global axes: by the tilts of the hinge about the third."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from ..model.by_name import TURN_OF, TURNS, turn_of
+from ..model.model import MOTIONS
+from ..model.roles import Role
+from .description import Description, turn_about
+
+
+def with_tilts(builder: Description) -> Description:
+    """Return a builder whose rotations that are FIXED about two global axes turn about the third without limit.
+
+    Two angles that are zero do not determine a rotation by half a turn about the third axis. The tilts of the hinge
+    about this axis allow the same rotations, and determine all of them.
+
+    Returns:
+        A copy; the builder itself without such rotations, and if an input moves one of the two angles.
+
+    Source:
+        THEORY.md 2, eq. (2.17).
+    """
+    found: dict[str, list[Role]] = {}
+    hinges = (member for name, member in builder.members.items() if name.startswith(TURN_OF))
+    inputs = [s for top in builder.signals["input"] for s in top.parts or (top,)]
+    moved = {turn_of(s.key[1], TURNS[s.axis]) for s in inputs if s.axis is not None and s.quantity in MOTIONS}
+    for rotation in dict.fromkeys(member.nodes[-1] for member in hinges):
+        turns = [turn_about(builder, rotation, axis)[1] for axis in range(3)]
+        if not builder.members.keys() >= set(turns):
+            continue
+        roles = {name: builder.members[name].roles for name in turns}
+        free = [name for name in turns if roles[name][0] is not Role.FIXED]
+        if len(free) == 1 and moved.isdisjoint({*turns} - {*free}):
+            found |= {name: [Role.DEPENDENT, *roles[name][1:]] for name in turns if name not in free}
+            found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.FIXED]
+    if not found:
+        return builder
+    twin = builder.copy()
+    for name, roles in found.items():
+        twin.members[name] = dataclasses.replace(twin.members[name], roles=roles)
+    return twin
