@@ -2,6 +2,12 @@
 
 M v = mu (K + s M) v is solved in the inner product of K + s M, with omega^2 = 1/mu - s. In the inner product of M,
 which is zero for motions without mass, these would grow during iterations.
+
+:func:`lowest_of_sparse` is the entry. Poles, buckling and critical points of large mechanisms also use:
+
+- :func:`with_all_copies`: finds all copies of repeated eigenvalues;
+- :class:`Constrained`, :class:`AllowedMotions`: motions under constraints, with factors or, if few, as a basis;
+- :func:`named`, :func:`check_modes`, :func:`refuse_negative_masses`: errors by name.
 """
 
 import contextlib
