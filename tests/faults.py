@@ -4549,6 +4549,13 @@ FAULTS = [
         "pass",
         "build/test_dofs.py -k swings_by",
     ),
+    Fault(
+        "statics/coarse.py",
+        "odd & (strokes > LONGEST_STROKE)",
+        "odd & (strokes > 100 * LONGEST_STROKE)",
+        "statics/test_coarse.py -k skew_and_twisted",
+        slow=True,
+    ),
     Fault("build/dofs.py", "if block.element.grounded]", "if False]", "build/test_dofs.py -k drag_changes"),
     Fault(
         "build/dofs.py",

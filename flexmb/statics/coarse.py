@@ -2,15 +2,19 @@
 
 from typing import Any
 
+import jax
 import numpy as np
 from jaxtyping import Bool, Float
 
 from ..arguments import is_concrete
+from ..build.curved_leaves import MOST_TWIST
+from ..build.ends_in_line import LONGEST_STROKE
 from ..checks.mobility import constraints, motions_of
 from ..display import listed, short
+from ..elements.curves import curvature_at
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
-from ..errors import CoarseWarning, warn
+from ..errors import BeamTheoryWarning, CoarseWarning, warn
 from ..math.sparse import LARGE
 from ..mechanics.extent import sizes_of
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
@@ -26,6 +30,8 @@ LAST = 3
 def warn_of_coarse(model: Model, e: Any) -> None:
     """Warn of cubic beams that are bent, twisted or stretched too far, and of leaf springs that are bent too far.
 
+    Leaf springs with skew cuts or initial twist have a smaller limit of their own (BeamTheoryWarning).
+
     ``e`` are deformations, (*times, n_e). The check skips traced deformations and values that are not finite. A
     stretched cubic beam bends with EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).
     """
@@ -39,6 +45,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     if not e.any():
         return
     _warn_of_bent(model, leaves, e)
+    _warn_of_strokes(model, leaves, e)
     e = np.abs(e)
     reference, dims = np.asarray(model.parameters.reference), len(model.topology.axes)
     held = np.concatenate([np.asarray(model.topology.e.fixed), np.asarray(model.topology.e.prescribed)])
@@ -105,6 +112,34 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
             f" spring was compared with solid elements up to u = {WIDEST_BENT:g}. Make it narrower or thicker, or"
             " compare it yourself.",
             CoarseWarning,
+        )
+
+
+def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
+    """Warn of leaf springs with skew cuts or initial twist at strokes; ``build`` warns of strokes that it knows."""
+    far: dict[str, float] = {}
+    reference = np.asarray(model.parameters.reference)
+    loads = (model.parameters.loads, model.parameters.increment)
+    known = max((float(np.max(np.abs(one.x), initial=0.0)) for one in loads if one and one.x is not None), default=0.0)
+    for block, own in leaves:
+        odd = np.zeros(len(block.e), bool) if own.get("skew") is None else np.any(np.asarray(own["skew"]) != 0, axis=1)
+        points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
+        lengths = np.linalg.norm(points[LAST] - points[0], axis=1)
+        if own.get("curvature") is not None:
+            bends = np.asarray(jax.vmap(lambda own: curvature_at(own, np.linspace(0, 1, 21)))(own["curvature"]))
+            if bends.ndim == 3:
+                odd |= lengths * np.mean(np.abs(bends[:, :, 0]), axis=1) > MOST_TWIST
+        first, second = (np.asarray(block.e)[:, block.element.fields[FIELDS.index("EIy")][k] - 1] for k in range(2))
+        # Displacement of an end from the tangent at the other end, over the length: integrals of the curvature.
+        strokes = np.max(np.abs(e[:, first]) / 2 + np.abs(e[:, second]) / 6, axis=0, initial=0.0)
+        for i in np.flatnonzero(odd & (strokes > LONGEST_STROKE) & (known <= LONGEST_STROKE * lengths)):
+            far[str(model.labels.e[first[i]].of)] = float(strokes[i])
+    if far:
+        warn(
+            f"{_named(far)}: a skew cut or initial twist at a stroke of {max(far.values()):.2g} of its"
+            f" length. Beyond {LONGEST_STROKE:g} its stiffness across the stroke may be 30 % off. Compare it with solid"
+            " elements.",
+            BeamTheoryWarning,
         )
 
 

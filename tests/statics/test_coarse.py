@@ -156,3 +156,25 @@ def test_a_beam_that_is_bent_and_stretched_is_not_told_to_be_divided():
 def test_a_bar_that_cannot_bend_may_stretch():
     _, words = said(lambda: fm.equilibrium(pulled(0.05, count=1, across=0.0, released=(1,))))
     assert words == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("how", ["skew", "twist"])
+def test_strokes_of_skew_and_twisted_leaf_springs_warn_wherever_they_are_reached(how):
+    """`build` knows prescribed strokes alone: forces reach a stroke too. A twisted strip is stiffer."""
+
+    def guided(force, **properties):
+        b = fm.Builder()
+        b.node("foot", (0, 0, 0))
+        b.node("tip", (0.1, 0, 0))
+        section = fm.Rectangle(0.018, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
+        b.add(spatial.leaf_spring, "foot", "tip", name="leaf", section=section, y=(0, 1, 0), **properties)
+        b.fix("foot")
+        b.fix("tip", "rotation")
+        b.force("tip", (0, 0, force))
+        return b.build()
+
+    shape = {"curvature": lambda s: (np.radians(30) / 0.1, 0.0, 0.0)} if how == "twist" else {"skew": (0.3, 0.0)}
+    fm.equilibrium(guided(0.1, **shape))
+    with pytest.warns(fm.BeamTheoryWarning, match=r"Element 'leaf': .* at a stroke of 0\.\d+ of its length"):
+        fm.equilibrium(guided(60.0 if how == "twist" else 5.0, **shape))
