@@ -67,21 +67,19 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     _, timed, start = (part.whole(part.numbers) for part in parts)
     numbers, most = parts[0].numbers, ends.shape[0]
     count = jnp.sum(jnp.isfinite(ends))
-    edges = jnp.concatenate([timed.t0[None], ends])
+    # A step of zero length comes first: it computes accelerations and multipliers at the begin.
+    count, edges = count + 1, jnp.concatenate([timed.t0[None], timed.t0[None], ends])
     varied = bool(parts[1].numbers)
-
-    def accelerated(numbers: list[Any], state: MotionState, t0: Array):
-        return parts[0].whole(numbers).acceleration(t0, state)[0]
 
     def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
         equations = parts[0].whole(numbers)
         taken = step_taken(equations, RODAS5P, t0, t1 - t0, state, z)
         return equations.settle(t1, taken.end, taken.mass), taken.z
 
-    z, by_start = jax.vjp(accelerated, numbers, start, timed.t0)
+    z = jnp.zeros(parts[0].whole(numbers).unknowns)
     size = sum(leaf.size for leaf in jax.tree.leaves((start, z)))
     room = min(most, max(FEWEST, min(STORED, NUMBERS // max(size, 1))))
-    stored, sparse = _rows(room, (start, z)), _put(_rows(-(-most // room) + 1, (start, z)), 0, (start, z))
+    stored, sparse = _rows(room, (start, z)), _put(_rows(most // room + 2, (start, z)), 0, (start, z))
 
     def forward(m: tuple[Any, ...]):
         step, at, stored, sparse = m
@@ -128,12 +126,10 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     none = (jnp.zeros_like(edges), jnp.zeros_like(timed.times)) if varied else None
     m = count, stored, sparse, _Back(count - 1, saved, nothing[0], nothing[1], none)
     *_, back = jax.lax.while_loop(lambda m: m[0] > 0, part, m)
-    (by_state, by_z), by_numbers = back.end, back.numbers
-    of_numbers, of_state, of_t0 = by_start(by_z)
+    by_state, by_numbers = back.end[0], back.numbers
     still = (timed.times <= timed.t0)[:, None]
     of_still = jax.tree.map(lambda rows: jnp.sum(jnp.where(still, rows, 0.0), axis=0), changes)
-    by_numbers = jax.tree.map(jnp.add, by_numbers, of_numbers)
-    by_state = jax.tree.map(lambda *parts: sum(parts), by_state, of_state, of_still)
+    by_state = jax.tree.map(jnp.add, by_state, of_still)
     derivatives = [by_numbers, [], _by(parts[2].whole, parts[2].numbers, by_state)]
     if back.edges is not None:
 
@@ -142,7 +138,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
             return span.t0, _moved_along(ends, timed, span), span.times
 
         by_edges, by_times = back.edges
-        derivatives[1] = _by(known, parts[1].numbers, (by_edges[0] + of_t0, by_edges[1:], by_times))
+        derivatives[1] = _by(known, parts[1].numbers, (by_edges[0] + by_edges[1], by_edges[2:], by_times))
     lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed) for rows in changes])
     return jax.tree.map(lambda leaf: jnp.where(lost, jnp.nan, leaf), derivatives)
 
