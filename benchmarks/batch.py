@@ -26,10 +26,10 @@ def kernels(build, models):
     from designs import POINT, first
 
     import flexmb as fm
-    from flexmb.build.carry import carried
+    from flexmb.build.carry import carried_choices
 
     def value(flat):
-        with carried(models):
+        with carried_choices(models):
             return first(build(**dict(zip(POINT, flat, strict=True))))
 
     found = {}

@@ -82,7 +82,7 @@ def kernels(beams: int):
     import numpy as np
 
     import flexmb as fm
-    from flexmb.build.carry import carried
+    from flexmb.build.carry import carried_choices
     from flexmb.compilation.threads import cores
     from flexmb.design.chunks import Chunk, Task, kernel_of
     from flexmb.design.evaluate import build_once
@@ -91,7 +91,7 @@ def kernels(beams: int):
     models = build_once(build, POINT)
 
     def value(flat):
-        with carried(models):
+        with carried_choices(models):
             return first(build(**dict(zip(POINT, flat, strict=True))))
 
     draw = np.random.default_rng(0)

@@ -97,13 +97,13 @@ def flexmb_gradient(space: bool) -> tuple[Any, tuple[float, ...]]:
     import jax
 
     import flexmb as fm
-    from flexmb.build.carry import carried
+    from flexmb.build.carry import carried_choices
     from flexmb.design.evaluate import build_once
 
     models = build_once(lambda share: rod(space, share=share), {"share": 1.0})
 
     def end(share: Any, rtol: float) -> Any:
-        with carried(models):
+        with carried_choices(models):
             model = rod(space, share=share)
         return fm.simulate(model, instants()[[0, -1]], rtol=rtol).at(f"n{SCENE.segments}")[-1, 1]
 

@@ -82,10 +82,10 @@ def copied(tree: Any) -> Any:
     if not any(isinstance(leaf, (np.ndarray, *EXACT)) for leaf in jax.tree.leaves(tree)):
         return tree
 
-    def own(leaf: Any) -> Any:
+    def leaf_copy(leaf: Any) -> Any:
         return leaf.copy() if isinstance(leaf, np.ndarray) else float(leaf) if isinstance(leaf, EXACT) else leaf
 
-    return jax.tree.map(own, tree)
+    return jax.tree.map(leaf_copy, tree)
 
 
 _NOTED = Collector("noted")
@@ -156,7 +156,7 @@ def returned(what: str, value: Any) -> Any:
     try:
         return jax.numpy.atleast_1d(jax.numpy.asarray(value, float))
     except (TypeError, ValueError) as fault:
-        raise ModelError(f"{what} must return a number or an array of numbers, not {shown(value)}.") from fault
+        raise ModelError(f"{what} must return a number or an array of numbers, not {short_repr(value)}.") from fault
 
 
 def computed(function: Callable[..., Any], *arrays: Any) -> Any:
@@ -166,11 +166,11 @@ def computed(function: Callable[..., Any], *arrays: Any) -> Any:
     """
     if not is_concrete(arrays):
         return function(jax.numpy, *arrays)
-    found = function(np, *map(np.asarray, arrays))
-    return found if all(isinstance(array, np.ndarray) for array in arrays) else jax.device_put(found)
+    result = function(np, *map(np.asarray, arrays))
+    return result if all(isinstance(array, np.ndarray) for array in arrays) else jax.device_put(result)
 
 
-def shown(value: Any) -> str:
+def short_repr(value: Any) -> str:
     """A value as a message quotes it: one shortened line."""
     if isinstance(value, np.ndarray | jax.Array) and is_concrete(value):
         value = np.asarray(value).tolist()
@@ -181,7 +181,7 @@ def numbers(value: Any) -> np.ndarray | None:
     """Real numbers, nested sequences or arrays of them as an array of float64; None for anything else or traced."""
     try:
         array = np.asarray(value)
-        if array.dtype == object and all(type(one) in (int, float, *EXACT) for one in array.flat):
+        if array.dtype == object and all(type(entry) in (int, float, *EXACT) for entry in array.flat):
             array = array.astype(float)
     except (ValueError, TypeError, OverflowError, jax.errors.TracerArrayConversionError):
         return None
@@ -198,29 +198,29 @@ def check_numbers(what: str, value: Any, shape: tuple[int, ...] | None = None, f
     array = None if traced else numbers(value)
     # Dictionaries may hold traced numbers too.
     if isinstance(value, dict) or (not traced and (array is None or (not array.size and shape is None))):
-        wanted = "a number" if shape == () else "numbers"
-        raise fault(f"{what} must be {wanted}, not {shown(value)}.")
-    own = getattr(value, "shape", shape) if array is None else array.shape
-    if shape is not None and own != shape:
-        wanted = "be one number" if shape == () else f"have shape {shape}"
-        raise fault(f"{what} must {wanted}, but has shape {own}.")
+        expected = "a number" if shape == () else "numbers"
+        raise fault(f"{what} must be {expected}, not {short_repr(value)}.")
+    actual_shape = getattr(value, "shape", shape) if array is None else array.shape
+    if shape is not None and actual_shape != shape:
+        expected = "be one number" if shape == () else f"have shape {shape}"
+        raise fault(f"{what} must {expected}, but has shape {actual_shape}.")
     if array is None:
         return
     if not np.all(np.isfinite(array)):
-        raise fault(f"{what} has a value that is not a finite number: {shown(value)}.")
+        raise fault(f"{what} has a value that is not a finite number: {short_repr(value)}.")
     if np.any(np.abs(array) > LARGEST):
-        raise fault(f"{what} has a value that is too large to compute with, beyond {LARGEST:g}: {shown(value)}.")
+        raise fault(f"{what} has a value that is too large to compute with, beyond {LARGEST:g}: {short_repr(value)}.")
 
 
 def checked_times(times: Any) -> Any:
     """Return two or more ascending times as floats, (n_t,) [s]; on the host if known. Raise ValueError for others."""
     check_numbers("Argument `times`", times)
-    found = as_floats(times)
-    if found.ndim != 1 or len(found) < 2:
-        raise ValueError(f"Argument `times` must be at least two times, not {shown(times)}.")
-    if is_concrete(found) and not np.all(np.diff(found) > 0):
+    array = as_floats(times)
+    if array.ndim != 1 or len(array) < 2:
+        raise ValueError(f"Argument `times` must be at least two times, not {short_repr(times)}.")
+    if is_concrete(array) and not np.all(np.diff(array) > 0):
         raise ValueError("Argument `times` must be ascending, without a time twice.")
-    return found
+    return array
 
 
 class Range(NamedTuple):
@@ -270,9 +270,9 @@ def check_number(
         return value
     array = numbers(value)
     if array is None or array.shape != ():
-        raise TypeError(f"Argument `{name}` must be one number, not {shown(value)}.")
+        raise TypeError(f"Argument `{name}` must be one number, not {short_repr(value)}.")
     if not bounds.holds(array):
-        raise fault(f"Argument `{name}` must be {bounds.words()}, but is {shown(value)}.")
+        raise fault(f"Argument `{name}` must be {bounds.words()}, but is {short_repr(value)}.")
     return value
 
 
@@ -285,10 +285,10 @@ def check_whole(name: str, value: Any, least: int | None = None, most: int | Non
     """
     number = as_whole(value)
     if number is None:
-        raise TypeError(f"Argument `{name}` must be a whole number, not {shown(value)}.")
+        raise TypeError(f"Argument `{name}` must be a whole number, not {short_repr(value)}.")
     if (least is not None and number < least) or (most is not None and number > most):
         bounds = Range(least=least, most=most)
-        raise ValueError(f"Argument `{name}` must be {bounds.words()}, but is {shown(number)}.")
+        raise ValueError(f"Argument `{name}` must be {bounds.words()}, but is {short_repr(number)}.")
     return number
 
 
@@ -305,7 +305,7 @@ def as_whole(value: Any) -> int | None:
 def check_flag(name: str, value: Any, fault: type = TypeError) -> Any:
     """Return an argument that is True or False; raise ``fault`` for another."""
     if not isinstance(value, bool | np.bool_):
-        raise fault(f"Argument `{name}` must be True or False, not {shown(value)}.")
+        raise fault(f"Argument `{name}` must be True or False, not {short_repr(value)}.")
     return value
 
 
@@ -313,16 +313,16 @@ def check_by_name(name: str, value: Any) -> Any:
     """Return an argument that is a dictionary; raise TypeError for another."""
     if not isinstance(value, Mapping):
         raise TypeError(
-            f"Argument `{name}` must be a dictionary by name, such as {{'thickness': ..}}, not {shown(value)}."
+            f"Argument `{name}` must be a dictionary by name, such as {{'thickness': ..}}, not {short_repr(value)}."
         )
     return value
 
 
 def check_choice(name: str, value: Any, allowed: tuple, fault: type = ValueError) -> Any:
     """Return an argument that is one of a few values; raise ``fault`` for another."""
-    if not any(value is one or (type(value) is type(one) and value == one) for one in allowed):
-        listed = " or ".join(repr(one) for one in allowed)
-        raise fault(f"Argument `{name}` must be {listed}, but is {shown(value)}.")
+    if not any(value is choice or (type(value) is type(choice) and value == choice) for choice in allowed):
+        listed = " or ".join(repr(choice) for choice in allowed)
+        raise fault(f"Argument `{name}` must be {listed}, but is {short_repr(value)}.")
     return value
 
 
@@ -344,11 +344,11 @@ def checked(function: Function) -> Function:
 
     @functools.wraps(function)
     def call(*values: Any, **named: Any) -> Any:
-        given = signature.bind(*values, **named)
+        bound = signature.bind(*values, **named)
         for name, (check, optional) in _checks_of(function).items():
-            if name in given.arguments and not (optional and given.arguments[name] is None):
-                given.arguments[name] = check(name, given.arguments[name])
-        return function(*given.args, **given.kwargs)
+            if name in bound.arguments and not (optional and bound.arguments[name] is None):
+                bound.arguments[name] = check(name, bound.arguments[name])
+        return function(*bound.args, **bound.kwargs)
 
     return cast(Function, call)
 
@@ -360,9 +360,9 @@ def _checks_of(function: Callable[..., Any]) -> dict[str, tuple[Callable[[str, A
     for name, hint in typing.get_type_hints(function, include_extras=True).items():
         united = isinstance(hint, types.UnionType) or typing.get_origin(hint) is typing.Union
         hints = typing.get_args(hint) if united else (hint,)
-        for one in hints:
-            if typing.get_origin(one) is Literal:
-                checks[name] = partial(check_choice, allowed=typing.get_args(one)), type(None) in hints
-            for check in getattr(one, "__metadata__", ()):
+        for alternative in hints:
+            if typing.get_origin(alternative) is Literal:
+                checks[name] = partial(check_choice, allowed=typing.get_args(alternative)), type(None) in hints
+            for check in getattr(alternative, "__metadata__", ()):
                 checks[name] = check, type(None) in hints
     return {name: check for name, check in checks.items() if name != "return"}

@@ -15,7 +15,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
-from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, clean, heard, warn
+from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, heard, printable, warn
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # Exit codes of shells for programs that a signal ended: Ctrl-C, and a closed pipe.
@@ -55,8 +55,8 @@ class Program(TyperGroup):
             context: Any = getattr(fault, "ctx", None)
             where = context.command_path if context else "flexmb"
             words = " ".join(fault.format_message().split()) or "Give a command"
-            what = "".join(map(clean, words[:LONGEST_MESSAGE]))
-            _complain(f"{where}: {what.rstrip('.')} ({where} --help).")
+            message = "".join(map(printable, words[:LONGEST_MESSAGE]))
+            _complain(f"{where}: {message.rstrip('.')} ({where} --help).")
             code = EXIT_WRONG_CALL
         sys.exit(code or 0)
 
@@ -66,8 +66,8 @@ class Program(TyperGroup):
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt as stop:
-            kept = [*map(str, stop.args), *(f"'{clean(path)}' is written" for path in WRITTEN)]
-            _complain(f"flexmb: interrupted from the keyboard; {'; '.join(kept) or 'nothing is kept'}.")
+            written = [*map(str, stop.args), *(f"'{printable(path)}' is written" for path in WRITTEN)]
+            _complain(f"flexmb: interrupted from the keyboard; {'; '.join(written) or 'nothing is kept'}.")
             raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
@@ -135,7 +135,7 @@ def _refuse(message: str) -> NoReturn:
     raise typer.Exit(EXIT_WRONG_CALL)
 
 
-def _tell(text: str) -> None:
+def _print_text(text: str) -> None:
     """Print on standard output; exit if that fails."""
     if sys.stdout is None:
         _refuse("flexmb: cannot write to standard output: it is closed.")
@@ -156,7 +156,7 @@ def _writing(path: Any) -> Iterator[None]:
     try:
         yield
     except OSError as fault:
-        _refuse(f"flexmb: cannot write '{clean(path)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot write '{printable(path)}': {fault.strerror or fault}.")
 
 
 def _store(path: Any, write: Callable[[Any], None]) -> None:
@@ -180,19 +180,19 @@ def _prepare_jax() -> None:
 def _mode_number(mode: str | None, analysis: str | None) -> int:
     from .answers.answers import mode_of, modes
 
-    wanted = analysis if analysis is not None else mode
-    if wanted is None or (mode is not None and analysis is not None):
+    requested = analysis if analysis is not None else mode
+    if requested is None or (mode is not None and analysis is not None):
         _refuse("flexmb run: give one of --mode and --analysis, such as --mode 7 or --analysis frequencies.")
-    text = str(wanted)
+    text = str(requested)
     # For a negative mode SPACAR draws nothing; the analysis is the same.
     if re.fullmatch(r"-?\d{1,9}", text, re.ASCII):
         with contextlib.suppress(KeyError):
             return mode_of(int(text.removeprefix("-"))).number
-    names = {one.name: one.number for one in modes().values()}
+    names = {entry.name: entry.number for entry in modes().values()}
     if text in names:
         return names[text]
-    known = ", ".join(f"{one.number} ({one.name})" for one in modes().values())
-    _refuse(f"flexmb run: there is no mode '{clean(text)}'. Available: {known}.")
+    known = ", ".join(f"{entry.number} ({entry.name})" for entry in modes().values())
+    _refuse(f"flexmb run: there is no mode '{printable(text)}'. Available: {known}.")
 
 
 def _check_files(
@@ -212,26 +212,26 @@ def _check_files(
     for name, path in files.items():
         *most, last = endings.get(name, ("",))
         if path is not None and name in endings and path.suffix not in (*most, last):
-            wanted = f"{', '.join(most)} or {last}" if most else last
-            _refuse(f"{about}: --{name} writes {wanted}, not '{clean(path)}'.")
+            allowed = f"{', '.join(most)} or {last}" if most else last
+            _refuse(f"{about}: --{name} writes {allowed}, not '{printable(path)}'.")
     if (log := files.get("log")) is not None and str(log) == "-":
         _refuse("flexmb: --log writes a file, not '-': of the answers --json - alone goes to standard output.")
-    taken = {} if source is None else {os.path.realpath(source): "the input file"}
+    used = {} if source is None else {os.path.realpath(source): "the input file"}
     for name, path in files.items():
         if path is None or (name == "json" and path == "-"):
             continue
         if not Path(path).absolute().parent.is_dir():
-            _refuse(f"flexmb: the folder of '{clean(path)}' does not exist.")
-        first = taken.setdefault(os.path.realpath(path), f"--{name}")
+            _refuse(f"flexmb: the folder of '{printable(path)}' does not exist.")
+        first = used.setdefault(os.path.realpath(path), f"--{name}")
         if first != f"--{name}" and (Path(path).is_file() or not Path(path).exists()):
-            _refuse(f"flexmb: --{name} would write over {first}: '{clean(path)}'.")
+            _refuse(f"flexmb: --{name} would write over {first}: '{printable(path)}'.")
         with _writing(path):
             check_writable(path)
 
 
 def _check_release(release: str) -> None:
     if release not in ("none", "auto"):
-        _refuse(f"flexmb: --release takes auto or none, not '{clean(release)}'.")
+        _refuse(f"flexmb: --release takes auto or none, not '{printable(release)}'.")
 
 
 @contextlib.contextmanager
@@ -257,7 +257,7 @@ def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[N
         if path is None:
             raise
         named = fault.filename if isinstance(fault.filename, str) else path
-        _refuse(f"flexmb: cannot {how} '{clean(named)}': {fault.strerror or fault}.")
+        _refuse(f"flexmb: cannot {how} '{printable(named)}': {fault.strerror or fault}.")
 
 
 def _number(about: str, word: str) -> float:
@@ -270,24 +270,24 @@ def _number(about: str, word: str) -> float:
         _refuse(f"flexmb: {about}: {str(fault).partition(';')[0]}.")
 
 
-def _numbers(option: str, such_as: str, given: list[str] | None) -> dict[str, float]:
+def _numbers(option: str, such_as: str, assignments: list[str] | None) -> dict[str, float]:
     """Numbers by name from texts such as "t=0.5e-3"."""
-    found: dict[str, float] = {}
-    for text in given or ():
+    numbers: dict[str, float] = {}
+    for text in assignments or ():
         name, _, word = (part.strip() for part in text.rpartition("="))
         if not name:
-            _refuse(f"flexmb: {option} takes NAME=NUMBER, such as {such_as}, not '{clean(text)}'.")
-        if name in found:
-            _refuse(f"flexmb: {option} gives '{clean(name)}' twice; give it once.")
-        found[name] = _number(f"{option} {clean(name)}", word)
-    return found
+            _refuse(f"flexmb: {option} takes NAME=NUMBER, such as {such_as}, not '{printable(text)}'.")
+        if name in numbers:
+            _refuse(f"flexmb: {option} gives '{printable(name)}' twice; give it once.")
+        numbers[name] = _number(f"{option} {printable(name)}", word)
+    return numbers
 
 
-def _read(model: Path, given: list[str] | None) -> tuple[Any, dict[str, float]]:
+def _read(model: Path, assignments: list[str] | None) -> tuple[Any, dict[str, float]]:
     """Content of the input file, and the values of its parameters."""
     from . import read_spacar
 
-    numbers = _numbers("--set", "t=0.5e-3", given)
+    numbers = _numbers("--set", "t=0.5e-3", assignments)
     if "pi" in numbers:
         _refuse("flexmb: --set pi: {pi} is 3.14159.. in every file; give the parameter another name.")
     with _refusing(path=model):
@@ -295,17 +295,20 @@ def _read(model: Path, given: list[str] | None) -> tuple[Any, dict[str, float]]:
     for name in numbers:
         if name not in read.parameters:
             known = ", ".join(f"{{{n}}}" for n in read.parameters) or "none"
-            _refuse(f"flexmb: --set {clean(name)}: {read.name} has no {{{clean(name)}}}; it has: {clean(known)}.")
+            _refuse(
+                f"flexmb: --set {printable(name)}: {read.name} has no {{{printable(name)}}}; it has:"
+                f" {printable(known)}."
+            )
     return read, numbers
 
 
-def _tell_answer(
+def _print_answer(
     data: dict[str, Any],
-    of: str,
+    name: str,
     text: str | None,
     json_path: str | None = None,
     plot: Path | None = None,
-    found: Any = None,
+    result: Any = None,
     picture: str = "",
 ) -> None:
     """Write, draw and print an answer with its warnings; exit with status 1 if its status is not "ok".
@@ -320,15 +323,15 @@ def _tell_answer(
     from .files import write_whole
 
     _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
-    if plot is not None and found is not None:
+    if plot is not None and result is not None:
         from .plot.answer import image_of
 
-        _store(plot, lambda path: write_whole(path, image_of(found, path.suffix[1:], picture)))
+        _store(plot, lambda path: write_whole(path, image_of(result, path.suffix[1:], picture)))
     if json_path == "-" or text is not None:
         warnings = "".join(f"warning: {warning}\n" for warning in data["warnings"])
-        _tell(to_json(data) if json_path == "-" else f"{warnings}{text}")
+        _print_text(to_json(data) if json_path == "-" else f"{warnings}{text}")
     if data["status"] != "ok":
-        _complain(f"{of}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
+        _complain(f"{name}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
         raise typer.Exit(EXIT_FAILED)
 
 
@@ -339,7 +342,7 @@ def _run(
     save: Path | None = None,
     log: Path | None = None,
     plot: Path | None = None,
-    given: list[str] | None = None,
+    assignments: list[str] | None = None,
     ask: list[str] | None = None,
     **options: Any,
 ) -> None:
@@ -353,39 +356,39 @@ def _run(
 
     _check_files(model, plots=(*PICTURES, ".html"), json=json_path, save=save, log=log, plot=plot)
     _prepare_jax()
-    read, _ = _read(model, given)
+    read, _ = _read(model, assignments)
     # A file name that is not valid UTF-8 is escaped, so that any JSON reader takes it.
     name = os.fsencode(model.name).decode(errors="backslashreplace")
     # A model fault that is raised: the file does not even describe a mechanism.
     with _refusing(read.name):
-        found = answer(read.builder, name, number, list(read.warnings), settings=read.settings, **options)
+        result = answer(read.builder, name, number, list(read.warnings), settings=read.settings, **options)
     try:
-        found.data.update(also_asked(found, ask or ()))
+        result.data.update(also_asked(result, ask or ()))
     except QuestionError as fault:
         _refuse(f"flexmb run: --ask: {fault}.")
-    _store(json_path, lambda path: write_whole(path, to_json(found.data).encode()))
-    _store(save, lambda path: save_answer(found.data, path))
-    _store(log, lambda path: write_whole(path, log_text(found, read.text).encode(errors="backslashreplace")))
-    _store(plot, lambda path: _draw(found, path))
-    _tell(to_json(found.data) if json_path == "-" else table(found.data))
-    if found.exit_status:
-        first = (found.data["message"].splitlines() or [""])[0]
-        _complain(f"{read.name}: {found.data['status']}: {first}")
-        raise typer.Exit(found.exit_status)
+    _store(json_path, lambda path: write_whole(path, to_json(result.data).encode()))
+    _store(save, lambda path: save_answer(result.data, path))
+    _store(log, lambda path: write_whole(path, log_text(result, read.text).encode(errors="backslashreplace")))
+    _store(plot, lambda path: _draw(result, path))
+    _print_text(to_json(result.data) if json_path == "-" else table(result.data))
+    if result.exit_status:
+        first = (result.data["message"].splitlines() or [""])[0]
+        _complain(f"{read.name}: {result.data['status']}: {first}")
+        raise typer.Exit(result.exit_status)
 
 
-def _draw(found: Any, path: Path) -> None:
+def _draw(result: Any, path: Path) -> None:
     """Draw an answer in a file; without an answer, the mechanism."""
     from .files import write_whole
 
     if path.suffix == ".html":
         from .viewer.view import page
 
-        write_whole(path, page(found))
+        write_whole(path, page(result))
     else:
         from .plot.answer import image
 
-        write_whole(path, image(found, path.suffix[1:]))
+        write_whole(path, image(result, path.suffix[1:]))
 
 
 @contextlib.contextmanager
@@ -398,16 +401,16 @@ def _foreseen(debug: bool) -> Iterator[None]:
     except Exception as fault:
         if debug:
             raise
-        first = clean((str(fault).splitlines() or [""])[0])
+        first = printable((str(fault).splitlines() or [""])[0])
         _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
         raise typer.Exit(EXIT_FAILED) from None
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         from . import __version__
 
-        _tell(f"flexmb {__version__}")
+        _print_text(f"flexmb {__version__}")
         raise typer.Exit
 
 
@@ -493,31 +496,33 @@ def verdict(
     from . import verdict as judge
     from .design.stroke import StrokeError
 
-    of, equals, word = stroke.rpartition("=")
+    name, equals, word = stroke.rpartition("=")
     length = _number("--stroke takes [NAME=]NUMBER, such as 3.x=5e-3", word)
     limits = _numbers("--limit", "force=2", limit)
     _check_files(model, "flexmb verdict", json=json_path, plot=plot)
     _prepare_jax()
-    (read, dimensions), found = _read(model, numbers), None
-    data: dict[str, Any] = {"model": clean(model.name), "flexmb": __version__, "status": "ok", "message": ""}
+    (read, dimensions), assessment = _read(model, numbers), None
+    data: dict[str, Any] = {"model": printable(model.name), "flexmb": __version__, "status": "ok", "message": ""}
 
     def build(**numbers: Any) -> Any:
         return read_spacar(model, numbers=numbers).builder.build()
 
-    with heard() as said:
+    with heard() as messages:
         try:
             built: Any = build if dimensions else read.builder.build()
-            wanted: Any = {of.strip(): length} if equals else length
-            found = judge(built, wanted, dimensions=dimensions or None, limits=limits)
-            data |= found.to_dict()
+            target: Any = {name.strip(): length} if equals else length
+            assessment = judge(built, target, dimensions=dimensions or None, limits=limits)
+            data |= assessment.to_dict()
         except StrokeError as fault:
             _refuse(f"flexmb verdict: --stroke: {fault}")
         except (ModelError, AnalysisError) as fault:
             data |= {"status": getattr(fault, "code", "not_valid"), "message": str(fault)}
         except ValueError as fault:
             _refuse(f"flexmb verdict: {' '.join(str(fault).split())}")
-    data["warnings"] = [*read.warnings, *dict.fromkeys(said)]
-    _tell_answer(data, read.name, None if found is None else str(found), json_path, plot, found, "verdict")
+    data["warnings"] = [*read.warnings, *dict.fromkeys(messages)]
+    _print_answer(
+        data, read.name, None if assessment is None else str(assessment), json_path, plot, assessment, "verdict"
+    )
 
 
 @command
@@ -534,26 +539,26 @@ def fmu(
     """Save the mechanism as a functional mock-up unit, for Simulink, Dymola, OpenModelica and others."""
     _check_files(about="flexmb fmu", to=to)
     if fmi not in ("2", "3"):
-        _refuse(f"flexmb fmu: --fmi takes 3 or 2, not '{clean(fmi)}'.")
+        _refuse(f"flexmb fmu: --fmi takes 3 or 2, not '{printable(fmi)}'.")
     _check_release(release)
     if mode not in OF_UNITS:
-        known = ", ".join(f"{number} ({what})" for number, what in OF_UNITS.items())
-        _refuse(f"flexmb fmu: there is no unit of mode '{clean(mode)}'. Available: {known}.")
+        known = ", ".join(f"{number} ({meaning})" for number, meaning in OF_UNITS.items())
+        _refuse(f"flexmb fmu: there is no unit of mode '{printable(mode)}'. Available: {known}.")
     _prepare_jax()
-    from .answers.answers import said_of
+    from .answers.answers import reader_warnings
 
     read, _ = _read(model, numbers)
-    said, unit, status, message = [], None, "ok", ""
+    messages, unit, status, message = [], None, "ok", ""
     with _refusing(read.name), _writing(to):
         try:
-            with heard() as said:
+            with heard() as messages:
                 unit = _unit(read, int(mode), release)(to, int(fmi))
             WRITTEN.append(to)
         except (AnalysisError, MechanismError) as fault:
             status, message = fault.code, str(fault)
-    warnings = [*said_of(int(mode), read.warnings), *dict.fromkeys(said)]
+    warnings = [*reader_warnings(int(mode), read.warnings), *dict.fromkeys(messages)]
     data = {"status": status, "message": message, "warnings": warnings}
-    _tell_answer(data, read.name, None if unit is None else repr(unit))
+    _print_answer(data, read.name, None if unit is None else repr(unit))
 
 
 def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
@@ -569,7 +574,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
     from .model.roles import Role
     from .spacar.laws import laws_of
 
-    def given(model: Any) -> Any:
+    def with_signals(model: Any) -> Any:
         if not model.labels.inputs or not model.labels.outputs:
             raise ModelError(
                 "INPUTF: an FMU needs an input and an output: INPUTF or INPUTS, and OUTX, OUTE or the like; of a"
@@ -578,23 +583,23 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
         return model
 
     if number == 1:
-        model = given(read.builder.build(release=release))
+        model = with_signals(read.builder.build(release=release))
         motion = motions_of(model, read.settings) | laws_of(read.builder, model.labels, read.settings, Role.PRESCRIBED)
         return lambda to, fmi: save_fmu(model, to, fmi=fmi, nonlinear=True, motion=motion)
-    found: Any = answer(read.builder, read.name, number, [], release, settings=read.settings)
-    for text in found.data["warnings"]:
+    result: Any = answer(read.builder, read.name, number, [], release, settings=read.settings)
+    for text in result.data["warnings"]:
         warn(text)
-    if found.exit_status:
-        raise AnalysisError(found.data["status"], found.data["message"])
-    given(found.model)
+    if result.exit_status:
+        raise AnalysisError(result.data["status"], result.data["message"])
+    with_signals(result.model)
     if number == 9:
-        if not found.data["states"]:
+        if not result.data["states"]:
             raise ModelError("INPUTX, INPUTE: every motion is prescribed; an FMU of mode 9 needs a degree of freedom")
-        return lambda to, fmi: save_fmu(found.lin, to, fmi=fmi)
-    system = trajectory.time_varying(found.found)
+        return lambda to, fmi: save_fmu(result.lin, to, fmi=fmi)
+    system = trajectory.time_varying(result.found)
     # The nominal inputs are among the loads of the motion; the answer has them.
-    system = dataclasses.replace(system, u0=jnp.asarray(found.data["u0"], float))
-    units = units_of(found.model, system.state_labels)
+    system = dataclasses.replace(system, u0=jnp.asarray(result.data["u0"], float))
+    units = units_of(result.model, system.state_labels)
     return lambda to, fmi: save_fmu(system, to, fmi=fmi, units=units)
 
 
@@ -610,11 +615,11 @@ def demo(
     if listing:
         if name is not None or to is not None:
             _refuse("flexmb demo: --list takes neither a mechanism nor --to.")
-        _tell("\n".join(f"{key:<14}{text}" for key, text in mechanisms().items()))
+        _print_text("\n".join(f"{key:<14}{text}" for key, text in mechanisms().items()))
         return
     name = name or "pf3d"
     if name not in mechanisms():
-        _refuse(f"flexmb demo: no mechanism '{clean(name)}'. Shipped: {', '.join(mechanisms())}.")
+        _refuse(f"flexmb demo: no mechanism '{printable(name)}'. Shipped: {', '.join(mechanisms())}.")
     path = mechanism_path(name)
     if to is not None:
         _copy(path, to)
@@ -622,8 +627,8 @@ def demo(
     picture = _demo_picture(name)
     for number in (0, 7, 9):
         _run(path, number, plot=picture if number == 7 else None)
-        _tell("")
-    _tell(f"picture: {picture}")
+        _print_text("")
+    _print_text(f"picture: {picture}")
 
 
 def _copy(path: Path, to: Path) -> None:
@@ -631,13 +636,13 @@ def _copy(path: Path, to: Path) -> None:
     from .files import write_whole
 
     if not to.is_dir():
-        _refuse(f"flexmb demo: the folder '{clean(to)}' does not exist.")
+        _refuse(f"flexmb demo: the folder '{printable(to)}' does not exist.")
     target, content = to / path.name, path.read_bytes()
     with _writing(target):
         if target.exists() and (not target.is_file() or target.read_bytes() != content):
-            _refuse(f"flexmb demo: '{clean(target)}' is there already and differs; move it away first.")
+            _refuse(f"flexmb demo: '{printable(target)}' is there already and differs; move it away first.")
         write_whole(target, content)
-    _tell(str(target))
+    _print_text(str(target))
 
 
 def _demo_picture(name: str) -> Path:
@@ -671,20 +676,20 @@ def _study(
 
     _check_files(path, f"flexmb {command}", json=json_path, save=save, plot=plot)
     _prepare_jax()
-    name, said, read, text, found = clean(path.name), [], None, None, None
+    name, messages, read, text, result = printable(path.name), [], None, None, None
     with _refusing(path=path, how="read or write"):
         try:
-            with heard() as said:
+            with heard() as messages:
                 read = read_study(path)
-                data, text, saved, found = work(read)
+                data, text, saved, result = work(read)
         except (AnalysisError, ModelError) as fault:
             # The JSON reports the failure too.
             why = (str(fault).splitlines() or [""])[0]
             data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
         else:
             _store(save, saved)
-    data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(said)]
-    _tell_answer(data, name, text, json_path, plot, found)
+    data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(messages)]
+    _print_answer(data, name, text, json_path, plot, result)
 
 
 @command
@@ -700,7 +705,7 @@ def sweep(
     """Compute many designs of a model with parameters: grid, Latin hypercube or Monte Carlo."""
     others = {os.path.realpath(other) for other in (study, json_path, save, plot) if other not in (None, "-")}
     if checkpoint is not None and os.path.realpath(checkpoint) in others:
-        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{clean(checkpoint)}'.")
+        _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{printable(checkpoint)}'.")
 
     def work(read: Any):
         from . import __version__
@@ -709,13 +714,13 @@ def sweep(
         if plot is not None and not any(len(set(v.tolist())) > 1 for v in read.designs().values()):
             _refuse("flexmb sweep: --plot needs two designs at least, which differ in a parameter.")
         try:
-            found = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
+            result = read.sweep(checkpoint=checkpoint, progress=sys.stderr.isatty())
         except KeyboardInterrupt:
             if checkpoint is None:
                 raise KeyboardInterrupt("nothing is kept: --checkpoint FILE keeps the designs that are done") from None
-            kept = f"'{clean(checkpoint)}' keeps the designs that are done; the same command goes on from them"
-            raise KeyboardInterrupt(kept) from None
-        return sweep_answer(read, found, __version__), sweep_table(found), found.save, found
+            hint = f"'{printable(checkpoint)}' keeps the designs that are done; the same command goes on from them"
+            raise KeyboardInterrupt(hint) from None
+        return sweep_answer(read, result, __version__), sweep_table(result), result.save, result
 
     _study("sweep", study, json_path, save, plot, work)
 
@@ -735,15 +740,15 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
                 _refuse(
                     f"flexmb: {read.name}: '{name}' is a name that --save uses for another array: choose another name."
                 )
-        found = read.tune(throw=False, progress=sys.stderr.isatty())
-        data = tune_answer(read, found, __version__)
+        result = read.tune(throw=False, progress=sys.stderr.isatty())
+        data = tune_answer(read, result, __version__)
 
         def saved(path: Path):
             about = {name: data[name] for name in ("study", "status", "reason", "active")}
-            histories = dict(zip(_named("history_", found.history), found.history.values(), strict=True))
-            save_arrays(path, {**found.dimensions, **found.answers, **histories}, about)
+            histories = dict(zip(_named("history_", result.history), result.history.values(), strict=True))
+            save_arrays(path, {**result.dimensions, **result.answers, **histories}, about)
 
-        return data, str(found), saved, found
+        return data, str(result), saved, result
 
     _study("tune", study, json_path, save, plot, work)
 
@@ -756,9 +761,9 @@ def robustness(study: StudyFile, json_path: Json = None, save: Save = None, plot
         from . import __version__
         from .design.study import robustness_answer, robustness_table
 
-        found = read.robustness(progress=sys.stderr.isatty())
-        data = robustness_answer(read, found, __version__)
-        return data, robustness_table(found, data), found.samples.save, found
+        result = read.robustness(progress=sys.stderr.isatty())
+        data = robustness_answer(read, result, __version__)
+        return data, robustness_table(result, data), result.samples.save, result
 
     _study("robustness", study, json_path, save, plot, work)
 
@@ -782,14 +787,14 @@ def fit(
         from .files import save_arrays
         from .identification.fit_study import fit_answer, fit_arrays
 
-        found = read.fit()
-        data = fit_answer(read, found, __version__)
-        arrays = {} if save is None else fit_arrays(found)
+        result = read.fit()
+        data = fit_answer(read, result, __version__)
+        arrays = {} if save is None else fit_arrays(result)
 
         def saved(path: Path):
             save_arrays(path, arrays, {name: data[name] for name in ("study", "status", "reason", "active", "labels")})
 
-        return data, str(found), saved, found
+        return data, str(result), saved, result
 
     _study("fit", study, json_path, save, plot, work, read_study)
 
@@ -809,7 +814,7 @@ def edit(
     """Open the workbench in the browser, to draw and change a mechanism and see its answers. Ctrl-C ends it."""
     from .workbench.command import serve
 
-    serve(model, port, browser, tell=_tell, refuse=_refuse)
+    serve(model, port, browser, tell=_print_text, refuse=_refuse)
 
 
 def main() -> None:

@@ -125,13 +125,13 @@ class Result:
     def __repr__(self) -> str:
         title, rows, *_ = self.summary() if is_single(self) else Result.summary(self)
         lines = [title, *(f"  {name}: {text}" for name, text in rows.items())]
-        left = len(lines) - LINES + 1
-        lines = [*lines[: LINES - 1], f"  … and {left} more"] if left > 1 else lines
+        remaining = len(lines) - LINES + 1
+        lines = [*lines[: LINES - 1], f"  … and {remaining} more"] if remaining > 1 else lines
         long = {"width": WIDTH, "subsequent_indent": "    ", "break_on_hyphens": False, "placeholder": " …"}
         # Outcome and advice are shown in full.
-        whole = [len(lines) == 1 or line.startswith("  result: ") for line in lines]
-        told = zip(lines, whole, strict=True)
-        return "\n".join(textwrap.fill(line, max_lines=LINES if all_of else 1, **long) for line, all_of in told)
+        unshortened = [len(lines) == 1 or line.startswith("  result: ") for line in lines]
+        pairs = zip(lines, unshortened, strict=True)
+        return "\n".join(textwrap.fill(line, max_lines=LINES if all_of else 1, **long) for line, all_of in pairs)
 
     def _repr_html_(self) -> str | None:
         """Table and picture in a notebook; None for batches and traced numbers, which are shown as text."""
@@ -186,11 +186,11 @@ def is_single(found: Result) -> bool:
         return False
 
 
-def _shapes(found: Any) -> Iterator[str]:
+def _shapes(result: Any) -> Iterator[str]:
     """Shapes of all arrays by name; results within that have their own summary are only named."""
-    fields = getattr(found, "_fields", None) or tuple(getattr(found, "__dataclass_fields__", ()))
+    fields = getattr(result, "_fields", None) or tuple(getattr(result, "__dataclass_fields__", ()))
     for name in fields:
-        value: Any = getattr(found, name)
+        value: Any = getattr(result, name)
         shape = getattr(value, "shape", None)
         if shape is not None:
             yield f"{name}[{','.join(map(str, shape))}]"
@@ -215,9 +215,9 @@ def short(value: Any) -> str:
 
 def listed(values: Any, unit: str = "") -> str:
     """The first of some numbers or names, with their unit."""
-    found = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
+    texts = [value if isinstance(value, str) else short(value) for value in list(values)[:AT_MOST]]
     more = ", …" if len(values) > AT_MOST else ""
-    return f"{', '.join(found)}{more} {unit}".strip() if found else "none"
+    return f"{', '.join(texts)}{more} {unit}".strip() if texts else "none"
 
 
 def among(names: Iterable[str], asked: str = "") -> str:
@@ -263,7 +263,7 @@ def prefix_of(value: float) -> tuple[float, str]:
     return 1000.0**thousands, "fpnµm kMGT"[thousands + 5].strip()
 
 
-def measured(value: float, unit: str) -> str:
+def quantity_text(value: float, unit: str) -> str:
     """A number with its SI unit and a prefix that keeps it short, as "3.2 mm" or "210 MPa"."""
     by, prefix = prefix_of(float(value))
     return f"{short(value / by)} {prefix}{unit}"
@@ -291,9 +291,9 @@ def unit_of_rate(entry: Any) -> str:
 
 def numbered_quantities(axis: str, values: Mapping[str, tuple[Any, str]]) -> Quantities:
     """Quantities with one number each of things that are counted from 1, each given with its unit."""
-    found = {name: Column((axis,), own, unit) for name, (own, unit) in values.items()}
-    count = len(next(iter(found.values())).values)
-    return Quantities((axis,), {axis: Column((axis,), np.arange(1, count + 1), "-")}, found)
+    columns = {name: Column((axis,), numbers, unit) for name, (numbers, unit) in values.items()}
+    count = len(next(iter(columns.values())).values)
+    return Quantities((axis,), {axis: Column((axis,), np.arange(1, count + 1), "-")}, columns)
 
 
 def course(states: States) -> str:
@@ -331,13 +331,13 @@ def modal_summary(what: str, found: States, values: Sequence[str], rows: dict[st
     if inner.any() and not inner.all():
         outer = np.max(np.abs(moves[~inner]), axis=0) > OUTER_MOTION * np.max(np.abs(moves), axis=0)
         moves = np.where(inner[:, None] & outer, 0.0, moves)
-    own = {}
+    mode_rows = {}
     for i, value in enumerate(values[:AT_MOST]):
         moving = f", {_moving(names[int(np.argmax(np.abs(moves[:, i])))], found.model.labels)} most" if names else ""
-        own[f"mode {i + 1}"] = f"{value}{moving}"
+        mode_rows[f"mode {i + 1}"] = f"{value}{moving}"
     if count > AT_MOST:
-        own["more"] = listed(list(values[AT_MOST:]))
+        mode_rows["more"] = listed(list(values[AT_MOST:]))
     of_all = found.model.topology.n_q
     title = f"{what}: {count} of {of_all}" if of_all else f"{what}: the lowest {count}"
-    rows = {**own, **rows}
+    rows = {**mode_rows, **rows}
     return Summary(title, rows, "modes" if count else "mechanism", {"which": range(min(count, 3))} if count else {})

@@ -14,7 +14,7 @@ _OWN = str(Path(__file__).parent)
 LONGEST = 80
 
 
-def clean(text: Any) -> str:
+def printable(text: Any) -> str:
     """A user's text for a message: one line, printable, long texts cut in the middle.
 
     The end stays, as paths end with the file name. Escapes replace control characters.
@@ -91,9 +91,9 @@ def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
     """Warn at the line outside of the package that led here; users may ignore a category."""
     listening = _HEARD.get()
     if listening is not None:
-        said, but = listening
+        messages, but = listening
         if not issubclass(category, but):
-            said.append(text)
+            messages.append(text)
         return
     level, frame = 1, sys._getframe(0)
     while frame.f_back is not None and frame.f_code.co_filename.startswith((_OWN, contextlib.__file__)):
@@ -108,9 +108,9 @@ _HEARD: contextvars.ContextVar[_Heard | None] = contextvars.ContextVar("heard", 
 @contextlib.contextmanager
 def heard(*but: type[FlexmbWarning]) -> Iterator[list[str]]:
     """Collect warnings of the package in this thread, except some categories; other warnings pass."""
-    said: list[str] = []
-    token = _HEARD.set((said, but))
+    messages: list[str] = []
+    token = _HEARD.set((messages, but))
     try:
-        yield said
+        yield messages
     finally:
         _HEARD.reset(token)

@@ -176,10 +176,10 @@ def _size_of_compressed(content: bytes, most: int) -> int:
         kind, count = struct.unpack_from(f"{order}II", content, at)
         at += 8 + count
         if kind == COMPRESSED:
-            unpacker, rest = zlib.decompressobj(), content[at - count : at]
-            while rest and size <= most:
-                size += len(unpacker.decompress(rest, PIECE))
-                rest = unpacker.unconsumed_tail
+            unpacker, remaining = zlib.decompressobj(), content[at - count : at]
+            while remaining and size <= most:
+                size += len(unpacker.decompress(remaining, PIECE))
+                remaining = unpacker.unconsumed_tail
     return size
 
 
@@ -190,20 +190,20 @@ def _as_variables(arrays: dict[str, Any]) -> dict[str, Any]:
         of_names += "_"
     names = _matlab_names([of_names, *arrays])
     changed = {names[name]: name for name in arrays if names[name] != name}
-    found = {names[name]: value for name, value in arrays.items()}
-    return {**found, of_names: np.asarray(json.dumps(changed))} if changed else found
+    variables = {names[name]: value for name, value in arrays.items()}
+    return {**variables, of_names: np.asarray(json.dumps(changed))} if changed else variables
 
 
 def _matlab_names(names: list[str]) -> dict[str, str]:
     """Distinct MATLAB names: a letter, then letters, digits and underscores, at most 63; valid names stay."""
-    found = {name: name for name in names if re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII)}
-    taken = set(found)
+    new_names = {name: name for name in names if re.fullmatch(r"[A-Za-z]\w{0,62}", name, re.ASCII)}
+    used = set(new_names)
     for name in names:
-        if name not in found:
+        if name not in new_names:
             plain_name = re.sub(r"^(?![A-Za-z])", "x", re.sub(r"\W", "_", name, flags=re.ASCII))
             endings = (f"_{i}" if i > 1 else "" for i in itertools.count(1))
-            found[name] = next(
-                one for ending in endings if (one := plain_name[: 63 - len(ending)] + ending) not in taken
+            new_names[name] = next(
+                candidate for ending in endings if (candidate := plain_name[: 63 - len(ending)] + ending) not in used
             )
-            taken.add(found[name])
-    return found
+            used.add(new_names[name])
+    return new_names

@@ -33,10 +33,10 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
         if where is None:
             raise AttributeError(f"module '{package}' has no attribute '{name}'")
         # Without such a name, the package has a module of that name.
-        found = None if where == package else getattr(importlib.import_module(where), name, None)
-        found = found or importlib.import_module(f"{where}.{name}")
-        setattr(sys.modules[package], name, found)
-        return found
+        value = None if where == package else getattr(importlib.import_module(where), name, None)
+        value = value or importlib.import_module(f"{where}.{name}")
+        setattr(sys.modules[package], name, value)
+        return value
 
     def listed() -> list[str]:
         return sorted(offered(package))
@@ -46,5 +46,5 @@ def names(package: str, *rooms: str) -> tuple[Callable[[str], Any], Callable[[],
 
 def only(module: dict[str, Any], is_meant: Callable[[Any], bool]) -> tuple[list[str], Callable[[], list[str]]]:
     """``__all__`` and ``__dir__`` of a module by its ``globals()``: public names of values for users."""
-    found = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
-    return found, lambda: found
+    public_names = sorted(name for name, value in module.items() if not name.startswith("_") and is_meant(value))
+    return public_names, lambda: public_names

@@ -24,9 +24,9 @@ def reporting(
     with Progress(*columns, TextColumn("{task.fields[more]}"), console=Console(stderr=True)) as bar:
         task = bar.add_task(what, total=total, more="")
 
-        def report(done: int, *more: Any) -> None:
+        def report(count: int, *more: Any) -> None:
             # A sweep knows its total; a search shows its objective.
             text = "" if total is not None else "  ".join(f"{value:.4g}" for value in more)
-            bar.update(task, completed=done, more=text)
+            bar.update(task, completed=count, more=text)
 
         yield report

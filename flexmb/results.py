@@ -193,7 +193,7 @@ NO_DERIVATIVE = (RESULTS.critical_state, RESULTS.forces_jump)
 ANSWERED = (RESULTS.successful, *NO_DERIVATIVE, RESULTS.unstable_state)
 
 
-def told(result: Any) -> str:
+def outcome_text(result: Any) -> str:
     """Name of an outcome by its code, and for a failure its message."""
     member = RESULTS(int(result))
     return f"{member.name}. {member.message}" if member.message else member.name
@@ -276,14 +276,14 @@ def worst_of(codes: list[Any]) -> Any:
     """The first failure among codes, each () or a batch; without one, the worst outcome with an answer."""
     import jax.numpy as jnp
 
-    found: Any = jnp.zeros((), jnp.int32)
-    grade = found
+    worst_code: Any = jnp.zeros((), jnp.int32)
+    grade = worst_code
     for code in codes:
-        own = jnp.ravel(jnp.asarray(code, jnp.int32))
-        graded = jnp.full_like(own, len(ANSWERED))
-        for i, one in enumerate(ANSWERED):
-            graded = jnp.where(own == int(one), i, graded)
+        flat_codes = jnp.ravel(jnp.asarray(code, jnp.int32))
+        graded = jnp.full_like(flat_codes, len(ANSWERED))
+        for i, result in enumerate(ANSWERED):
+            graded = jnp.where(flat_codes == int(result), i, graded)
         worst = jnp.argmax(graded)
         worse = graded[worst] > grade
-        found, grade = jnp.where(worse, own[worst], found), jnp.where(worse, graded[worst], grade)
-    return found
+        worst_code, grade = jnp.where(worse, flat_codes[worst], worst_code), jnp.where(worse, graded[worst], grade)
+    return worst_code

@@ -22,9 +22,9 @@ def enable_x64() -> None:
 
 def cache_folder() -> Path:
     """Default folder of compiled code: ``$FLEXMB_CACHE``, or flexmb in the user's cache folder."""
-    given = os.environ.get("FLEXMB_CACHE")
+    folder = os.environ.get("FLEXMB_CACHE")
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(given) if given else Path(base) / "flexmb"
+    return Path(folder) if folder else Path(base) / "flexmb"
 
 
 def _prepared(path: Path) -> None:
@@ -48,8 +48,8 @@ def _prepared(path: Path) -> None:
     files = []
     for folder in (path, path / "programs"):
         if folder.is_dir():
-            with os.scandir(folder) as found:
-                for file in found:
+            with os.scandir(folder) as entries:
+                for file in entries:
                     # Another process may meanwhile rename or remove it.
                     with contextlib.suppress(FileNotFoundError):
                         state = file.stat()
@@ -59,10 +59,10 @@ def _prepared(path: Path) -> None:
                         elif file.is_file():
                             files.append((state, file.path))
     files.sort(key=lambda entry: -max(entry[0].st_atime, entry[0].st_mtime))
-    kept = 0
+    total_size = 0
     for state, file in files:
-        kept += state.st_size
-        if kept > LARGEST_CACHE:
+        total_size += state.st_size
+        if total_size > LARGEST_CACHE:
             Path(file).unlink(missing_ok=True)
 
 

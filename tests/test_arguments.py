@@ -14,8 +14,8 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar
 from flexmb.arguments import Count, Flag, Positive, checked
-from flexmb.control.frequency_response import places_of
-from flexmb.control.truncation import numbered
+from flexmb.control.frequency_response import places_of_names
+from flexmb.control.truncation import ascending_modes
 
 
 def cart(**options):
@@ -599,8 +599,14 @@ def _weighed(mass):
         (lambda build, answers: fm.tune(build, answers, {}, bounds=None), "`bounds` must be a dictionary"),
         (lambda build, answers: fm.lean(build, bandwidth=1.0, increments=5), "`increments` must be a list of factors"),
         (lambda build, answers: fm.lean(build, bandwidth=1.0, nodes=5), "`nodes` must be a list of names"),
-        (lambda build, answers: places_of("input", ["push"], 3), "`inputs` must be a name or a list of names, not 3"),
-        (lambda build, answers: numbered(np.array(0.5), 3), "`modes` must be a whole number, or numbers of modes"),
+        (
+            lambda build, answers: places_of_names("input", ["push"], 3),
+            "`inputs` must be a name or a list of names, not 3",
+        ),
+        (
+            lambda build, answers: ascending_modes(np.array(0.5), 3),
+            "`modes` must be a whole number, or numbers of modes",
+        ),
     ],
 )
 def test_what_is_neither_a_dictionary_nor_a_list_is_named(ask, words):

@@ -19,7 +19,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import cli
 from flexmb.answers import answers
-from flexmb.answers.mode import Found
+from flexmb.answers.mode import ModeResult
 from flexmb.errors import warn
 from flexmb.files import check_writable, write_whole
 from flexmb.mechanisms import mechanism_path, mechanisms
@@ -616,7 +616,7 @@ def test_a_motion_that_ends_early_is_no_answer(mode, swing):
 
 def test_an_answer_that_is_not_finite_is_none(monkeypatch):
     data = {"x": {"1": [0.0, np.nan]}, "stable": True}
-    other = answers.mode_of(7)._replace(run=lambda _: Found(data))
+    other = answers.mode_of(7)._replace(run=lambda _: ModeResult(data))
     monkeypatch.setattr(answers, "mode_of", lambda number: other)
     result, data = answer("pf2d", 7)
     assert (result.exit_code, data["status"]) == (1, "not_finite")

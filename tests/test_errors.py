@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flexmb.errors import LONGEST, AnalysisError, clean
+from flexmb.errors import LONGEST, AnalysisError, printable
 from flexmb.results import RESULTS, check
 
 
@@ -30,8 +30,8 @@ class Unwilling:
     ids=lambda value: type(value).__name__,
 )
 def test_a_users_text_is_one_printable_line(text, expected):
-    assert clean(text) == expected
-    assert clean(text).isprintable()
+    assert printable(text) == expected
+    assert printable(text).isprintable()
 
 
 def test_the_worst_of_a_batch_is_raised():

@@ -28,8 +28,8 @@ def _stacked(key: str, steps: list[dict[str, Any]]) -> dict[str, np.ndarray]:
 
 
 def _padded(column: list[Any]) -> np.ndarray:
-    there = [np.asarray(value) for value in column if value is not None]
-    like = max(there, key=len) if there and there[0].ndim else np.zeros(())
+    present = [np.asarray(value) for value in column if value is not None]
+    like = max(present, key=len) if present and present[0].ndim else np.zeros(())
     filled = [np.full(like.shape, np.nan) if value is None else np.asarray(value) for value in column]
     if len({value.shape for value in filled}) == 1:
         return np.stack(filled)
@@ -41,7 +41,7 @@ def _flat(data: dict[str, Any]) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for key, value in data.items():
         if isinstance(value, dict):
-            flat.update({f"{key}_{of}": np.asarray(v) for of, v in value.items()})
+            flat.update({f"{key}_{inner}": np.asarray(v) for inner, v in value.items()})
         elif key in ("path", "steps"):
             flat.update(_stacked(key, value))
         elif isinstance(value, list) and value and isinstance(value[0], dict):

@@ -42,22 +42,22 @@ def by_owner(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list[floa
 
 def reactions(lin: Linearization) -> dict[str, list[float]]:
     """Support forces, moments of spatial rotations about global axes, at nodes where something is held."""
-    labels, found = lin.labels, {}
-    held = set(np.asarray(lin.model.topology.x.held).tolist())
+    labels, by_node = lin.labels, {}
+    constrained = set(np.asarray(lin.model.topology.x.held).tolist())
     reactions, x = np.asarray(lin.matrices.reactions), np.asarray(lin.matrices.x)
     for node in dict.fromkeys(entry.of for entry in labels.x if is_shown(entry)):
         indices = labels.coordinates(node)
-        if held.isdisjoint(indices):
+        if constrained.isdisjoint(indices):
             continue
         values = reactions[indices]
         # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I, so M = Lbar f / 2, and rates are 2 Lbar.
-        found[node] = (rates_on_host(x[indices]) @ values / 4 if len(indices) == 4 else values).tolist()
-    return found
+        by_node[node] = (rates_on_host(x[indices]) @ values / 4 if len(indices) == 4 else values).tolist()
+    return by_node
 
 
-def state_of(lin: Linearization) -> dict[str, Any]:
+def equilibrium_answers(lin: Linearization) -> dict[str, Any]:
     """Answers about a static equilibrium."""
-    return {**configuration(lin), **matrices(lin), "stable": _rests(lin)}
+    return {**configuration_answers(lin), **matrices_answers(lin), "stable": _rests(lin)}
 
 
 def _rests(lin: Linearization) -> bool:
@@ -66,8 +66,8 @@ def _rests(lin: Linearization) -> bool:
     if m.symmetric:
         return bool(_is_stable(stiffness))
     # A motion without mass loses its stability where the determinant changes sign.
-    held = np.linalg.slogdet(stiffness)[0] > 0
-    return bool(held and without_growth(stiffness, np.asarray(m.C0) + np.asarray(m.D0), np.asarray(m.M0)))
+    is_stable = np.linalg.slogdet(stiffness)[0] > 0
+    return bool(is_stable and without_growth(stiffness, np.asarray(m.C0) + np.asarray(m.D0), np.asarray(m.M0)))
 
 
 def _stiffness(lin: Linearization) -> np.ndarray:
@@ -82,7 +82,7 @@ def _is_stable(stiffness: Any) -> Any:
     return is_positive_definite((stiffness + stiffness.T) / 2)
 
 
-def configuration(lin: Linearization) -> dict[str, Any]:
+def configuration_answers(lin: Linearization) -> dict[str, Any]:
     """Coordinates, deformations, stress resultants, reactions and the largest stress."""
     labels, m = lin.labels, lin.matrices
     return {
@@ -99,20 +99,20 @@ def _stress(lin: Linearization) -> dict[str, Any]:
     if not has_stress(lin.model):
         return {}
     with heard():
-        found = stress(lin.model, at=lin)
-    element, place, *_ = found.where
-    used = {} if found.strength is None else {"utilisation": float(np.max(found.utilisation))}
-    left_out = {"left_out": list(map(number, found.left_out))} if found.left_out else {}
-    largest = {"maximum": float(found.maximum), "element": number(element), "place": place, **used, **left_out}
+        stress_result = stress(lin.model, at=lin)
+    element, place, *_ = stress_result.where
+    used = {} if stress_result.strength is None else {"utilisation": float(np.max(stress_result.utilisation))}
+    left_out = {"left_out": list(map(number, stress_result.left_out))} if stress_result.left_out else {}
+    largest = {"maximum": float(stress_result.maximum), "element": number(element), "place": place, **used, **left_out}
     return {"stress": largest}
 
 
-def matrices(lin: Linearization) -> dict[str, Any]:
+def matrices_answers(lin: Linearization) -> dict[str, Any]:
     """The matrices of the linearised equations."""
     return {name.lower(): np.asarray(getattr(lin.matrices, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
 
 
-def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
+def poles_answers(lin: Linearization, always: bool) -> dict[str, Any]:
     """Poles, real and imaginary parts."""
     damped = np.any(np.asarray(lin.matrices.C0) + np.asarray(lin.matrices.D0))
     if not (always or damped or not lin.matrices.symmetric):
@@ -120,10 +120,10 @@ def poles_of(lin: Linearization, always: bool) -> dict[str, Any]:
     return {"poles": [[p.real, p.imag] for p in poles(lin).tolist()]}
 
 
-def compliances(lin: Linearization) -> dict[str, list[float]]:
+def compliance_answers(lin: Linearization) -> dict[str, list[float]]:
     """Directional compliance of each node, infinite (null in JSON) if it takes part in a free motion."""
-    own = {entry.of for entry in lin.labels.x if is_shown(entry)}
-    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node in own}
+    node_names = {entry.of for entry in lin.labels.x if is_shown(entry)}
+    return {node: values.tolist() for node, values in directional_compliance(lin).items() if node in node_names}
 
 
 def shapes(columns: ArrayLike, labels: Labels) -> list[dict[str, list[float]]]:
@@ -139,8 +139,8 @@ def hertz_of(values: ArrayLike, hertz: ArrayLike) -> list[float | None]:
 def loose_warnings(lin: Linearization) -> list[str]:
     """Warnings of degrees of freedom that nothing holds."""
     m = lin.matrices
-    whole = np.abs(_stiffness(lin))
-    stiffness, coupled = np.diag(whole), np.max(whole, axis=1, initial=0.0)
+    magnitudes = np.abs(_stiffness(lin))
+    stiffness, coupled = np.diag(magnitudes), np.max(magnitudes, axis=1, initial=0.0)
     largest = max(stiffness.max(initial=0.0), np.abs(np.asarray(m.S)).max(initial=0.0))
     return [
         f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."
@@ -154,7 +154,7 @@ def row(values: ArrayLike, digits: int = 6) -> str:
     return "  ".join(f"{v:.{digits}g}" for v in np.ravel(np.asarray(values, float)).tolist())
 
 
-def numbered(texts: list[str]) -> list[str]:
+def numbered_lines(texts: list[str]) -> list[str]:
     """Numbered lines of the terminal, at most the first twelve."""
     more = len(texts) - SHOWN_VALUES
     lines = [f"  {i + 1:3d}  {text}" for i, text in enumerate(texts[:SHOWN_VALUES])]

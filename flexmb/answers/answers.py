@@ -13,7 +13,7 @@ import numpy as np
 from .. import __version__
 from ..build.builder import Builder
 from ..build.dofs import complete_series
-from ..errors import AnalysisError, IdleWarning, MechanismError, ModelError, clean, heard
+from ..errors import AnalysisError, IdleWarning, MechanismError, ModelError, heard, printable
 from ..linear.linearize import Linearization
 from ..model.model import Entry, Model
 from ..model.topology import RoleIndices
@@ -22,7 +22,7 @@ from ..questions.question import asked as of_state
 from ..results import RESULTS
 from ..spacar.actions import RATES_IDLE
 from .answer_parts import number
-from .mode import Found, Mode, ModeRequest
+from .mode import Mode, ModeRequest, ModeResult
 
 # Default for the most steps of a path.
 STEPS = 200
@@ -45,8 +45,8 @@ def modes() -> dict[int, Mode]:
 def mode_of(number: int) -> Mode:
     """A mode by its number. Only its file is loaded."""
     file = _files()[number]
-    found: Mode = importlib.import_module(f"{__package__}.{file}").MODE
-    return found._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"))
+    mode: Mode = importlib.import_module(f"{__package__}.{file}").MODE
+    return mode._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -98,10 +98,10 @@ def answer(
 ) -> Answer:
     """Run one analysis mode."""
     data: dict[str, Any] = {"model": name, "mode": mode, "flexmb": __version__, "status": "ok", "message": ""}
-    data["warnings"] = said_of(mode, warnings or [])
+    data["warnings"] = reader_warnings(mode, warnings or [])
     # The reader of the file has warned of idle statements with their lines. Overflow that matters ends as a number that
     # is not finite, which has a status.
-    with heard(IdleWarning) as said, np.errstate(all="ignore"):
+    with heard(IdleWarning) as heard_warnings, np.errstate(all="ignore"):
         model = complete_series(builder, builder.build(check=False))
         data["warnings"] += _increment_warnings(builder, mode_of(mode))
         if max_steps is not None and "steps" not in mode_of(mode).needs:
@@ -110,34 +110,34 @@ def answer(
             )
         most = STEPS if max_steps is None else max_steps
         question = ModeRequest(builder, model, name, release, dofs, most, settings or {}, progress=progress)
-        found = _answered(question, mode_of(mode), data)
-    data["warnings"] += dict.fromkeys(said)
-    return found
+        mode_answer = _answered(question, mode_of(mode), data)
+    data["warnings"] += dict.fromkeys(heard_warnings)
+    return mode_answer
 
 
 def _answered(question: ModeRequest, mode: Mode, data: dict[str, Any]) -> Answer:
     """Fill in the keys and values of an answer."""
     failed = 0
     try:
-        found = mode.run(question)
-        failed = int(not mode.structural and found.data.get("status", "ok") != "ok")
+        mode_result = mode.run(question)
+        failed = int(not mode.structural and mode_result.data.get("status", "ok") != "ok")
     except (MechanismError, AnalysisError) as fault:
-        found, failed = Found({"status": fault.code, "message": str(fault)}), 1
+        mode_result, failed = ModeResult({"status": fault.code, "message": str(fault)}), 1
     except ModelError as fault:
         # For example an output that does not exist in this mode.
-        found, failed = Found({"status": "not_valid", "message": str(fault)}), 1
+        mode_result, failed = ModeResult({"status": "not_valid", "message": str(fault)}), 1
     data.update(question.model.counts())
     data["dofs"] = _dofs(question.model)
     data["warnings"] += question.warnings
-    own = found.data
-    bad = [key for key, value in own.items() if not _finite({key: value})]
+    values = mode_result.data
+    bad = [key for key, value in values.items() if not _finite({key: value})]
     if failed:
-        own = {key: value for key, value in own.items() if key not in bad}
+        values = {key: value for key, value in values.items() if key not in bad}
     elif bad:
-        own = {"status": RESULTS.not_finite.name, "message": f"{RESULTS.not_finite.message} ({', '.join(bad)})"}
+        values = {"status": RESULTS.not_finite.name, "message": f"{RESULTS.not_finite.message} ({', '.join(bad)})"}
         failed = 1
-    data.update(own)
-    return Answer(data, failed, question.model, question.lin, found.result, found.picture)
+    data.update(values)
+    return Answer(data, failed, question.model, question.lin, mode_result.result, mode_result.picture)
 
 
 def _finite(value: Any) -> bool:
@@ -158,17 +158,17 @@ def _finite(value: Any) -> bool:
 def _increment_warnings(builder: Builder, mode: Mode) -> list[str]:
     """Warning of incremental loads that do not act in a mode."""
     hidden = (m for m in builder.members.values() if m.hidden)
-    there = any(builder.loads["increment"].values()) or any(m.properties.get("incremental") for m in hidden)
-    if not there or mode.increments or mode.structural:
+    has_increments = any(builder.loads["increment"].values()) or any(m.properties.get("incremental") for m in hidden)
+    if not has_increments or mode.increments or mode.structural:
         return []
     return [
         "Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes"
-        f" {' and '.join(str(one.number) for one in modes().values() if one.increments)}: mode {mode.number} answers"
+        f" {' and '.join(str(item.number) for item in modes().values() if item.increments)}: mode {mode.number} answers"
         " without them."
     ]
 
 
-def said_of(mode: int, warnings: Sequence[str]) -> list[str]:
+def reader_warnings(mode: int, warnings: Sequence[str]) -> list[str]:
     """Warnings of the reader of the file that apply to a mode."""
     moves = "times" in mode_of(mode).needs
     return [text for text in warnings if not (moves and text.endswith(RATES_IDLE))]
@@ -214,5 +214,5 @@ def also_asked(found: Answer, texts: Sequence[str]) -> dict[str, Any]:
                     question = of_state(text)
                     answers[text] = {"values": float(np.asarray(question(found.lin))), "unit": question.unit}
         except (KeyError, ValueError, AttributeError) as fault:
-            raise QuestionError(f"'{clean(text)}': {clean(fault.args[0] if fault.args else fault)}") from None
+            raise QuestionError(f"'{printable(text)}': {printable(fault.args[0] if fault.args else fault)}") from None
     return {"asked": answers}

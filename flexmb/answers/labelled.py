@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..display import Column, Labelled, Quantities, among, unit_of
-from ..errors import clean
+from ..errors import printable
 from ..files import for_files
 from ..linear.linearize import ManyStates
 from ..model.by_name import FRAME_OF, TURNS
@@ -21,14 +21,16 @@ ROWS = {"path": "step", "motion": "time"}
 def to_xarray(result: Labelled, names: Sequence[str]) -> Any:
     """A result as an ``xarray.Dataset``."""
     xr = for_files("xarray")
-    held = _held(result, names)
-    shared: dict[str, Any] = {name: _variable(own, own.over) for name, own in held.coordinates.items()}
-    variables, taken = {}, {*held.coordinates, *held.quantities, *held.rows}
-    for name, own in held.quantities.items():
-        inner = tuple(_free(f"{name}_{i}", taken) for i in range(np.ndim(own.values) - len(own.over)))
-        variables[name] = _variable(own, (*own.over, *inner))
-        if not isinstance(own.unit, str) and len({*np.ravel(own.unit)}) > 1:
-            shared[_free(f"{name}_units", taken)] = (own.over[-np.ndim(own.unit) :], own.unit)
+    contents = _quantities(result, names)
+    shared: dict[str, Any] = {
+        name: _variable(quantity, quantity.over) for name, quantity in contents.coordinates.items()
+    }
+    variables, used_names = {}, {*contents.coordinates, *contents.quantities, *contents.rows}
+    for name, quantity in contents.quantities.items():
+        inner = tuple(_free(f"{name}_{i}", used_names) for i in range(np.ndim(quantity.values) - len(quantity.over)))
+        variables[name] = _variable(quantity, (*quantity.over, *inner))
+        if not isinstance(quantity.unit, str) and len({*np.ravel(quantity.unit)}) > 1:
+            shared[_free(f"{name}_units", used_names)] = (quantity.over[-np.ndim(quantity.unit) :], quantity.unit)
     attributes = {"title": type(result).__name__}
     code = getattr(result, "result", None)
     if code is not None and np.ndim(code) == 0:
@@ -38,53 +40,53 @@ def to_xarray(result: Labelled, names: Sequence[str]) -> Any:
 
 def to_pandas(result: Labelled, names: Sequence[str]) -> Any:
     """A result as a ``pandas.DataFrame``."""
-    held = _held(result, names)
+    contents = _quantities(result, names)
     columns: dict[str, Any] = {}
     units = {}
-    shape = _rows(held)
-    for name, own in {**held.coordinates, **held.quantities}.items():
-        if name in held.coordinates and not set(own.over) <= set(held.rows):
+    shape = _rows(contents)
+    for name, quantity in {**contents.coordinates, **contents.quantities}.items():
+        if name in contents.coordinates and not set(quantity.over) <= set(contents.rows):
             continue
-        values = _along_rows(own, held.rows, shape)
+        values = _along_rows(quantity, contents.rows, shape)
         inner = values.shape[len(shape) :]
         flat = values.reshape(-1, *inner)
         for at in np.ndindex(inner):
-            entry = ", ".join(_entries(held, own, at))
+            entry = ", ".join(_entries(contents, quantity, at))
             column = _free(f"{name}[{entry}]" if at else name, columns)
             columns[column] = flat[(slice(None), *at)]
-            if unit := own.unit if isinstance(own.unit, str) else str(np.asarray(own.unit)[at]):
+            if unit := quantity.unit if isinstance(quantity.unit, str) else str(np.asarray(quantity.unit)[at]):
                 units[column] = unit
-    if "result" in held.quantities:
+    if "result" in contents.quantities:
         columns["result"] = [RESULTS(int(code)).name for code in columns["result"]]
     frame = for_files("pandas").DataFrame(columns)
     frame.attrs["units"] = units
     return frame
 
 
-def _held(result: Labelled, names: Sequence[str]) -> Quantities:
+def _quantities(result: Labelled, names: Sequence[str]) -> Quantities:
     """Quantities of a result: those that are named, or all that it holds."""
-    held = result.quantities_by_name()
-    if held is None:
-        return _of_states(result, names)
-    if missing := [name for name in names if name not in held.quantities]:
-        known = among(held.quantities, missing[0])
-        raise KeyError(f"This {type(result).__name__} has no quantity '{clean(missing[0])}'; it has {known}")
-    return held._replace(quantities={name: held.quantities[name] for name in names}) if names else held
+    contents = result.quantities_by_name()
+    if contents is None:
+        return _state_quantities(result, names)
+    if missing := [name for name in names if name not in contents.quantities]:
+        known = among(contents.quantities, missing[0])
+        raise KeyError(f"This {type(result).__name__} has no quantity '{printable(missing[0])}'; it has {known}")
+    return contents._replace(quantities={name: contents.quantities[name] for name in names}) if names else contents
 
 
-def _of_states(result: Any, names: Sequence[str]) -> Quantities:
+def _state_quantities(result: Any, names: Sequence[str]) -> Quantities:
     """What a result with states answers in each of them: the coordinates unless questions are asked."""
     states = result.states()
     row = ROWS[states.kind]
     label, _, unit = states.label.removesuffix("]").rpartition(" [")
     along = {label.replace(" ", "_"): Column((row,), np.asarray(states.along), unit)}
     if not names:
-        return Quantities((row,), along, {name: own._replace(over=(row,)) for name, own in _coordinates(result)})
-    found = {}
+        return Quantities((row,), along, {name: column._replace(over=(row,)) for name, column in _coordinates(result)})
+    columns = {}
     for text in names:
         series = _series(result, text)
-        found[text] = Column((row,), series.values, series.unit)
-    return Quantities((row,), along, found)
+        columns[text] = Column((row,), series.values, series.unit)
+    return Quantities((row,), along, columns)
 
 
 def _series(result: Any, text: str) -> Any:
@@ -97,7 +99,7 @@ def _series(result: Any, text: str) -> Any:
             raise
         name = type(result).__name__
         raise KeyError(
-            f"'{clean(text)}' is no question for {name} as a whole: ask for each state, such as at=found[0]"
+            f"'{printable(text)}' is no question for {name} as a whole: ask for each state, such as at=found[0]"
         ) from None
 
 
@@ -116,43 +118,45 @@ def _coordinates(result: Any) -> Iterator[tuple[str, Column]]:
                 yield f"{node}.{axis}", Column((), turned[:, j], "rad")
 
 
-def _variable(own: Column, over: tuple[str, ...]) -> tuple[Any, ...]:
+def _variable(quantity: Column, over: tuple[str, ...]) -> tuple[Any, ...]:
     """A variable of xarray. Programs that compute with units know no "-" and no superscripts."""
-    units = {own.unit} if isinstance(own.unit, str) else {*np.ravel(own.unit).tolist()}
+    units = {quantity.unit} if isinstance(quantity.unit, str) else {*np.ravel(quantity.unit).tolist()}
     attributes = {"units": "1" if (unit := units.pop()) == "-" else unit.replace("²", "^2")} if len(units) == 1 else {}
-    if own.meaning:
-        attributes["meaning"] = own.meaning
-    return over, np.asarray(own.values), attributes
+    if quantity.meaning:
+        attributes["meaning"] = quantity.meaning
+    return over, np.asarray(quantity.values), attributes
 
 
-def _rows(held: Quantities) -> tuple[int, ...]:
+def _rows(contents: Quantities) -> tuple[int, ...]:
     """Lengths of the axes that all quantities share."""
-    every = [*held.coordinates.values(), *held.quantities.values()]
+    every = [*contents.coordinates.values(), *contents.quantities.values()]
     return tuple(
-        next(np.shape(own.values)[own.over.index(row)] for own in every if row in own.over) for row in held.rows
+        next(np.shape(quantity.values)[quantity.over.index(row)] for quantity in every if row in quantity.over)
+        for row in contents.rows
     )
 
 
-def _along_rows(own: Column, rows: tuple[str, ...], shape: tuple[int, ...]) -> np.ndarray:
+def _along_rows(quantity: Column, rows: tuple[str, ...], shape: tuple[int, ...]) -> np.ndarray:
     """Values with all rows in front; a coordinate along one of them is repeated along the others."""
-    values = np.asarray(own.values)
-    there = [row for row in rows if row in own.over]
+    values = np.asarray(quantity.values)
+    known_rows = [row for row in rows if row in quantity.over]
     values = values.reshape(
-        tuple(n if row in there else 1 for row, n in zip(rows, shape, strict=True)) + values.shape[len(there) :]
+        tuple(n if row in known_rows else 1 for row, n in zip(rows, shape, strict=True))
+        + values.shape[len(known_rows) :]
     )
     return np.broadcast_to(values, (*shape, *values.shape[len(shape) :]))
 
 
-def _entries(held: Quantities, own: Column, at: tuple[int, ...]) -> Iterator[str]:
+def _entries(contents: Quantities, quantity: Column, at: tuple[int, ...]) -> Iterator[str]:
     """Names of an entry of a quantity along its other axes, where they have names, or its numbers from 0."""
-    axes = (*own.over[len(held.rows) :], *(None,) * len(at))
+    axes = (*quantity.over[len(contents.rows) :], *(None,) * len(at))
     for axis, i in zip(axes, at, strict=False):
-        named: Mapping[Any, Any] = held.coordinates
+        named: Mapping[Any, Any] = contents.coordinates
         yield str(np.asarray(named[axis].values)[i] if axis in named else i)
 
 
-def _free(name: str, taken: Container[str]) -> str:
+def _free(name: str, used_names: Container[str]) -> str:
     """A name that is not taken."""
-    while name in taken:
+    while name in used_names:
         name += "_"
     return name

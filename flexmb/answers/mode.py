@@ -68,7 +68,7 @@ class ModeRequest:
         return self.about(linearize(self.checked(), increment=0.0))
 
 
-class Found(NamedTuple):
+class ModeResult(NamedTuple):
     """Outcome of a mode.
 
     Attributes:
@@ -96,7 +96,7 @@ class Mode(NamedTuple):
         name: Name, from the name of the file.
     """
 
-    run: Callable[[ModeRequest], Found]
+    run: Callable[[ModeRequest], ModeResult]
     table: Callable[[dict[str, Any]], list[str]]
     increments: bool = False
     structural: bool = False

@@ -4,38 +4,40 @@ from typing import Any
 
 from ..checks.mobility import Mobility, Share, mobility
 from .answer_parts import number
-from .mode import Found, Mode, ModeRequest
+from .mode import Mode, ModeRequest, ModeResult
 
 
-def _mobility_modes(found: Mobility) -> list[dict[str, Any]]:
+def _mobility_modes(model_mobility: Mobility) -> list[dict[str, Any]]:
     def listed(shares: list[Share], key: str):
         return [{key: number(s.of), "component": s.component, "share": s.share} for s in shares]
 
     over = [
         {
             "kind": "overconstraint",
-            "deformations": listed(found.stresses(i), "element"),
-            "release": {own[0].kind: number(own[0].of), "component": own[0].number} if own else None,
+            "deformations": listed(model_mobility.stresses(i), "element"),
+            "release": {candidates[0].kind: number(candidates[0].of), "component": candidates[0].number}
+            if candidates
+            else None,
         }
-        for i, own in enumerate(found.candidates)
+        for i, candidates in enumerate(model_mobility.candidates)
     ]
     under = [
-        {"kind": "underconstraint", "coordinates": listed(found.motions(i), "node")}
-        for i in range(found.underconstraints)
+        {"kind": "underconstraint", "coordinates": listed(model_mobility.motions(i), "node")}
+        for i in range(model_mobility.underconstraints)
     ]
     return over + under
 
 
-def _run(asked: ModeRequest) -> Found:
-    found = mobility(asked.model)
+def _run(asked: ModeRequest) -> ModeResult:
+    model_mobility = mobility(asked.model)
     data = {
-        "status": found.status,
-        "message": found.report(),
-        "overconstraints": found.overconstraints,
-        "underconstraints": found.underconstraints,
-        "mobility": _mobility_modes(found),
+        "status": model_mobility.status,
+        "message": model_mobility.report(),
+        "overconstraints": model_mobility.overconstraints,
+        "underconstraints": model_mobility.underconstraints,
+        "mobility": _mobility_modes(model_mobility),
     }
-    return Found(data, found)
+    return ModeResult(data, model_mobility)
 
 
 MODE = Mode(_run, lambda data: [], structural=True)

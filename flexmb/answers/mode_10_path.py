@@ -7,51 +7,51 @@ import numpy as np
 from ..linear.spectrum import to_frequency
 from ..paths.path import Path, path
 from ..results import RESULTS
-from .answer_parts import by_owner, compliances, configuration, hertz_of, matrices
-from .mode import Found, Mode, ModeRequest
+from .answer_parts import by_owner, compliance_answers, configuration_answers, hertz_of, matrices_answers
+from .mode import Mode, ModeRequest, ModeResult
 
 
-def _step(found: Path, i: int) -> dict[str, Any]:
+def _step(path_result: Path, i: int) -> dict[str, Any]:
     lin, values, multipliers = (
-        found.linearization(i),
-        np.asarray(found.eigenvalues)[i],
-        np.asarray(found.multipliers)[i],
+        path_result.linearization(i),
+        np.asarray(path_result.eigenvalues)[i],
+        np.asarray(path_result.multipliers)[i],
     )
     finite = np.isfinite(values)
     return {
-        "load_factor": float(np.asarray(found.load_factor)[i]),
-        **configuration(lin),
-        "stable": bool(found.stable[i]),
+        "load_factor": float(np.asarray(path_result.load_factor)[i]),
+        **configuration_answers(lin),
+        "stable": bool(path_result.stable[i]),
         "eigenvalues": values[finite],
         "frequencies_hz": hertz_of(values[finite], to_frequency(values[finite])),
         "load_multipliers": multipliers[np.isfinite(multipliers)],
-        **matrices(lin),
-        "compliance": compliances(lin),
+        **matrices_answers(lin),
+        "compliance": compliance_answers(lin),
     }
 
 
-def _path(found: Path) -> dict[str, Any]:
-    code = RESULTS(int(found.result))
+def _path(path_result: Path) -> dict[str, Any]:
+    code = RESULTS(int(path_result.result))
     critical = [
-        {"load_factor": c.load_factor, "kind": c.kind, "mode": by_owner(c.phi, found.labels.x)}
-        for c in found.critical_points
+        {"load_factor": c.load_factor, "kind": c.kind, "mode": by_owner(c.phi, path_result.labels.x)}
+        for c in path_result.critical_points
     ]
     return {
         "status": "ok" if code == RESULTS.successful else code.name,
         "message": code.message,
-        **configuration(found.linearization()),
-        "stable": bool(found.stable[-1]),
+        **configuration_answers(path_result.linearization()),
+        "stable": bool(path_result.stable[-1]),
         "critical_points": critical,
-        "path": [_step(found, i) for i in range(len(found.load_factor))],
+        "path": [_step(path_result, i) for i in range(len(path_result.load_factor))],
     }
 
 
-def _run(asked: ModeRequest) -> Found:
+def _run(asked: ModeRequest) -> ModeResult:
     model = asked.checked()
     # The answer has matrices and all frequencies of each state.
-    found = path(model, max_steps=asked.max_steps, progress=asked.reported, sparse=False, throw=False)
-    asked.about(found.linearization())
-    return Found(_path(found), found)
+    path_result = path(model, max_steps=asked.max_steps, progress=asked.reported, sparse=False, throw=False)
+    asked.about(path_result.linearization())
+    return ModeResult(_path(path_result), path_result)
 
 
 def _table(data: dict[str, Any]) -> list[str]:

@@ -25,7 +25,7 @@ from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
 from ..trajectory.about_motion import inputs_that_move, outputs_of
 from .answer_parts import SHOWN_VALUES, is_shown, row
-from .mode import Found, Mode, ModeRequest
+from .mode import Mode, ModeRequest, ModeResult
 
 RTOL = 1e-5
 # Most bytes of the output times of a motion. A number is kept in arrays, in lists and as text: 300 bytes, measured with
@@ -44,17 +44,17 @@ def _uniformly_accelerated(
 
 def motions_of(model: Model, settings: dict[str, Any]) -> dict[str, Partial]:
     """Functions of time of INPUTX and INPUTE with a velocity or an acceleration."""
-    found = {}
+    motions = {}
     for keyword, entries, start in (
         ("INPUTX", model.labels.x, np.asarray(model.parameters.reference)),
         ("INPUTE", model.labels.e, np.zeros(len(model.labels.e))),
     ):
-        for of, component, value, *rates in settings.get(keyword, []):
+        for owner, component, value, *rates in settings.get(keyword, []):
             if any(rates):
-                index = next(i for i, n in enumerate(entries) if n.of == str(of) and n.component == component)
+                index = next(i for i, n in enumerate(entries) if n.of == str(owner) and n.component == component)
                 numbers = (jnp.asarray(number) for number in (value - start[index], *rates))
-                found[str(entries[index])] = Partial(_uniformly_accelerated, **dict(zip(NAMES, numbers, strict=True)))
-    return found
+                motions[str(entries[index])] = Partial(_uniformly_accelerated, **dict(zip(NAMES, numbers, strict=True)))
+    return motions
 
 
 NAMES = ("value", "velocity", "acceleration")
@@ -76,19 +76,19 @@ def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str 
         SpacarError: There is no TIMESTEP, or the answer would be too large.
     """
     if "TIMESTEP" not in settings:
-        said = (
+        problem = (
             f"{needed}: needs TIMESTEP in the dynamics block" if needed else f"{name}: TIMESTEP: modes 1 and 4 need it"
         )
-        raise SpacarError(f"{said}: TIMESTEP end steps, such as TIMESTEP 1.0 100")
-    given = settings["TIMESTEP"]
-    steps, most = int(given["steps"]), LARGEST_ANSWER // (BYTES_A_NUMBER * numbers)
+        raise SpacarError(f"{problem}: TIMESTEP end steps, such as TIMESTEP 1.0 100")
+    setting = settings["TIMESTEP"]
+    steps, most = int(setting["steps"]), LARGEST_ANSWER // (BYTES_A_NUMBER * numbers)
     if steps > most:
-        at = f"{name}:{given.line}" if isinstance(given, Setting) else name
+        at = f"{name}:{setting.line}" if isinstance(setting, Setting) else name
         raise SpacarError(
             f"{at}: TIMESTEP: {steps} steps of {numbers} numbers take {steps * numbers * BYTES_A_NUMBER:.3g} bytes,"
             f" but {LARGEST_ANSWER:.3g} is the most; give at most {most} steps"
         )
-    return np.linspace(0.0, given["end"], steps + 1)
+    return np.linspace(0.0, setting["end"], steps + 1)
 
 
 def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
@@ -104,14 +104,19 @@ def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
 def origins(model: Model) -> np.ndarray:
     """Origins of the outputs, (n_y,): a file means coordinates, not displacements."""
     start = np.asarray(model.parameters.reference)
-    there = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
-    return np.array([start[s.index] if own else 0.0 for s, own in zip(model.labels.outputs, there, strict=True)])
+    positional = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
+    return np.array(
+        [
+            start[s.index] if is_position else 0.0
+            for s, is_position in zip(model.labels.outputs, positional, strict=True)
+        ]
+    )
 
 
-def _signals(found: Motion) -> dict[str, Any]:
+def _signals(motion: Motion) -> dict[str, Any]:
     """Inputs, zero unless they prescribe motion, and outputs along a motion."""
-    outputs = np.asarray(outputs_of(found)) + origins(found.model)
-    return {"u0": np.asarray(inputs_that_move(found)), "y0": outputs}
+    outputs = np.asarray(outputs_of(motion)) + origins(motion.model)
+    return {"u0": np.asarray(inputs_that_move(motion)), "y0": outputs}
 
 
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
@@ -123,18 +128,22 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
     state_spaces = _state_spaces(matrices, found.model) if all(named.values()) else {}
     for i, t in enumerate(np.asarray(found.t).tolist()):
         m = jax.tree.map(lambda a, i=i: a[i], matrices)
-        own: dict[str, Any] = {name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
+        named_matrices: dict[str, Any] = {
+            name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")
+        }
         if int(m.result) != RESULTS.successful:
             lost.append(t)
-            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in own}})
+            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in named_matrices}})
             continue
-        values, _ = general_spectrum(own["K0"] + own["N0"] + own["G0"], own["M0"])
+        values, _ = general_spectrum(
+            named_matrices["K0"] + named_matrices["N0"] + named_matrices["G0"], named_matrices["M0"]
+        )
         # Massless motions have infinite frequencies.
         values = values[np.isfinite(values)]
         real = is_real(values) & (values.real >= 0)
         hertz = [f if known else None for f, known in zip(to_frequency(values.real).tolist(), real, strict=True)]
-        own |= state_spaces.get(i, {})
-        lower = {name.lower() if len(name) > 1 else name: value for name, value in own.items()}
+        named_matrices |= state_spaces.get(i, {})
+        lower = {name.lower() if len(name) > 1 else name: value for name, value in named_matrices.items()}
         steps.append({"time": t, "frequencies_hz": hertz, **lower})
     warnings = [
         f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"
@@ -149,13 +158,13 @@ def _state_spaces(matrices: Matrices, model: Model) -> dict[int, dict[str, np.nd
     alike: dict[tuple[int, ...], list[int]] = {}
     for i in np.flatnonzero(matrices.result == RESULTS.successful).tolist():
         alike.setdefault(tuple(massless_freedoms(np.asarray(matrices.M0[i]))), []).append(i)
-    found = {}
-    for own in alike.values():
-        some = Linearization(jax.tree.map(lambda a, own=own: a[own], matrices), model)
+    state_spaces = {}
+    for rows in alike.values():
+        some = Linearization(jax.tree.map(lambda a, rows=rows: a[rows], matrices), model)
         of_state, _ = state_matrices(some)
         named = {name: np.asarray(value) for name, value in of_state._asdict().items()}
-        found |= {i: {name: values[place] for name, values in named.items()} for place, i in enumerate(own)}
-    return found
+        state_spaces |= {i: {name: values[place] for name, values in named.items()} for place, i in enumerate(rows)}
+    return state_spaces
 
 
 def _idle_ways(asked: ModeRequest) -> list[str]:
@@ -168,7 +177,7 @@ def _idle_ways(asked: ModeRequest) -> list[str]:
     ]
 
 
-def run(asked: ModeRequest, linearised: bool = False) -> Found:
+def run(asked: ModeRequest, linearised: bool = False) -> ModeResult:
     """Motion in time from TIMESTEP, ERROR, INPUTX and INPUTE; with ``linearised`` at every output time the matrices."""
     model, settings = asked.checked(), asked.settings
     n_x, n_e, n_q = len(model.labels.x), len(model.labels.e), model.topology.n_q
@@ -184,36 +193,36 @@ def run(asked: ModeRequest, linearised: bool = False) -> Found:
     asked.warnings += _idle_ways(asked)
     # Idle incremental loads are reported by the keywords of the file.
     with heard():
-        found = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
-    code = RESULTS(int(found.result))
+        motion = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
+    code = RESULTS(int(motion.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:
-        return Found(extra)
-    reached = np.all(np.isfinite(np.asarray(found.x)), axis=1)
+        return ModeResult(extra)
+    reached = np.all(np.isfinite(np.asarray(motion.x)), axis=1)
     if not reached[-1]:
         count = int(np.argmin(reached))
-        found = found.until(count)
+        motion = motion.until(count)
     if code == RESULTS.singular_mass:
         extra["message"] = f"{code.message} {without_mass(model)}"
-    if not len(found.t):
-        return Found(extra)
-    seen = found.observe()
-    labels = found.labels
-    along, warnings = steps_of(found) if linearised else ({}, [])
-    along |= _signals(found) if linearised else {}
+    if not len(motion.t):
+        return ModeResult(extra)
+    seen = motion.observe()
+    labels = motion.labels
+    along, warnings = steps_of(motion) if linearised else ({}, [])
+    along |= _signals(motion) if linearised else {}
     data = {
         **extra,
-        "x": {node: rows[-1] for node, rows in over_time(found.x, labels.x).items()},
-        "time": np.asarray(found.t),
-        "trajectory": over_time(found.x, labels.x),
-        "velocities": over_time(found.xd, labels.x),
+        "x": {node: rows[-1] for node, rows in over_time(motion.x, labels.x).items()},
+        "time": np.asarray(motion.t),
+        "trajectory": over_time(motion.x, labels.x),
+        "velocities": over_time(motion.xd, labels.x),
         "deformations": over_time(seen.e, labels.e),
         "stresses": over_time(seen.sigma, labels.e),
         "energy": {kind: np.asarray(getattr(seen, kind)) for kind in ("kinetic", "elastic", "potential")},
         **along,
     }
     asked.warnings += warnings
-    return Found(data, found)
+    return ModeResult(data, motion)
 
 
 def table(data: dict[str, Any]) -> list[str]:

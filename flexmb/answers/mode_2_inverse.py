@@ -15,7 +15,7 @@ from ..spacar.reading import Channel
 from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS
 from ..trajectory.inverse import Nominal, inverse_dynamics
 from .answer_parts import SHOWN_VALUES, row
-from .mode import Found, Mode, ModeRequest
+from .mode import Mode, ModeRequest, ModeResult
 from .mode_1_simulate import frequencies_at_ends, motions_of, origins, over_time, steps_of, times_of
 
 KINDS = {"NOMF": "node", "NOMS": "element"}
@@ -24,22 +24,22 @@ FORM = "TRAJX node coordinate start end value [quintic|septic|scurve], or TRAJE 
 
 def _channels(settings: dict[str, Any], keywords: Any) -> Iterator[tuple[str, Channel]]:
     """Lines of nominal inputs or reference outputs, in the order of their numbers."""
-    found = [(keyword, own) for keyword in keywords for own in settings.get(keyword, [])]
-    return iter(sorted(found, key=lambda pair: pair[1].number))
+    channels = [(keyword, channel) for keyword in keywords for channel in settings.get(keyword, [])]
+    return iter(sorted(channels, key=lambda pair: pair[1].number))
 
 
 def _driven(asked: ModeRequest, ways: dict[Key, Way], refuse: Callable[..., NoReturn]) -> list[Key]:
     """PRESCRIBED motions of the file that nominal inputs drive: inputs that act on them, then the remaining inputs."""
     roles = {key: role_of(asked.builder, key) for key in ways}
     nominal = list(_channels(asked.settings, NOMINAL))
-    by_key = {(KINDS[keyword], str(own.of), own.component) for keyword, own in nominal}
+    by_key = {(KINDS[keyword], str(channel.of), channel.component) for keyword, channel in nominal}
     direct = [key for key, role in roles.items() if role is Role.PRESCRIBED and key in by_key]
     free = [key for key, role in roles.items() if role is Role.DOF]
     others = [key for key, role in roles.items() if role is Role.PRESCRIBED and key not in by_key]
-    left = len(nominal) - len(direct) - len(free)
-    if left in (0, len(others)):
-        return direct + (others if left else [])
-    if left < 0:
+    remaining = len(nominal) - len(direct) - len(free)
+    if remaining in (0, len(others)):
+        return direct + (others if remaining else [])
+    if remaining < 0:
         first = next(key for key in free if key not in by_key)
         way = ways[first]
         keyword = "NOMF" if way.keyword == "TRAJX" else "NOMS"
@@ -63,15 +63,15 @@ def _with_signals(builder: Builder, settings: dict[str, Any]) -> None:
     """Builder with nominal inputs and reference outputs instead of the inputs and outputs of the state space."""
     for side, keywords in (("input", NOMINAL), ("output", tuple(REFERENCES))):
         signals: list[NamedSignal] = []
-        for keyword, own in _channels(settings, keywords):
+        for keyword, channel in _channels(settings, keywords):
             kind = "node" if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else "element"
-            what = REFERENCES.get(keyword) or ("force" if kind == "node" else "stress")
-            axis = TURNS.index(own.component) if own.component in TURNS else None
-            what = "moment" if axis is not None and what == "force" else what
-            label = f"{what} {own.of}.{own.component}"
-            name = f"{label} ({own.number})" if label in {signal.name for signal in signals} else label
-            key: Key = (kind, str(own.of), 1 if isinstance(own.component, str) else own.component)
-            signals.append(NamedSignal(name, what, key, axis))
+            quantity = REFERENCES.get(keyword) or ("force" if kind == "node" else "stress")
+            axis = TURNS.index(channel.component) if channel.component in TURNS else None
+            quantity = "moment" if axis is not None and quantity == "force" else quantity
+            label = f"{quantity} {channel.of}.{channel.component}"
+            name = f"{label} ({channel.number})" if label in {signal.name for signal in signals} else label
+            key: Key = (kind, str(channel.of), 1 if isinstance(channel.component, str) else channel.component)
+            signals.append(NamedSignal(name, quantity, key, axis))
         builder.signals[side] = signals
 
 
@@ -104,7 +104,7 @@ def nominal_motion(asked: ModeRequest, number: int) -> tuple[Nominal, list[str]]
         refuse(keyword, f"mode {number} needs a trajectory: {FORM}", line)
     asked.warnings += _idle_velocities(asked, released=number == 6)
     driven = _driven(asked, ways, refuse)
-    told, builder = asked.builder, asked.builder.copy()
+    original, builder = asked.builder, asked.builder.copy()
     for key in driven:
         (builder.nodes if key[0] == "node" else builder.members)[key[1]].roles[key[2] - 1] = Role.DOF
         for loads in builder.loads.values():
@@ -126,11 +126,11 @@ def nominal_motion(asked: ModeRequest, number: int) -> tuple[Nominal, list[str]]
                 f"{way.keyword} on line {way.legs[-1].line} goes on until {way.legs[-1].end:.6g} s, but TIMESTEP ends"
                 f" at {times[-1]:.6g} s."
             )
-    laws = laws_of(told, labels, settings)
+    laws = laws_of(original, labels, settings)
     return inverse_dynamics(model, laws | motions_of(model, settings), times), list(laws)
 
 
-def told(found: Nominal, motion: Any = None) -> dict[str, Any]:
+def nominal_data(found: Nominal, motion: Any = None) -> dict[str, Any]:
     """Times, coordinates, nominal inputs and reference outputs."""
     motion = found.motion if motion is None else motion
     labels = motion.labels
@@ -154,10 +154,10 @@ def linearised(asked: ModeRequest, found: Nominal) -> dict[str, Any]:
     return along
 
 
-def run(asked: ModeRequest, matrices: bool = False) -> Found:
+def run(asked: ModeRequest, matrices: bool = False) -> ModeResult:
     """Inverse dynamics along the trajectory; with ``matrices`` also the linearised equations at every time."""
-    found, _ = nominal_motion(asked, 3 if matrices else 2)
-    return Found({**told(found), **(linearised(asked, found) if matrices else {})}, found.motion)
+    nominal, _ = nominal_motion(asked, 3 if matrices else 2)
+    return ModeResult({**nominal_data(nominal), **(linearised(asked, nominal) if matrices else {})}, nominal.motion)
 
 
 def table(data: dict[str, Any]) -> list[str]:

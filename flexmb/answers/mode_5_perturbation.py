@@ -6,43 +6,43 @@ import numpy as np
 
 from ..model.model import Model
 from ..trajectory.vibrations import Perturbation, perturbation
-from .mode import Found, Mode, ModeRequest
+from .mode import Mode, ModeRequest, ModeResult
 from .mode_1_simulate import RTOL
-from .mode_2_inverse import linearised, nominal_motion, table, told
+from .mode_2_inverse import linearised, nominal_data, nominal_motion, table
 
 
-def _force(found: Any) -> np.ndarray:
+def _force(nominal: Any) -> np.ndarray:
     """Force on the released degrees of freedom, (n_t, n_q) [N, N m]."""
-    return -np.asarray(found.f0)
+    return -np.asarray(nominal.f0)
 
 
 def _start(model: Model, led: list[str]) -> np.ndarray:
     """Start velocities of degrees of freedom that the trajectory does not lead, (n_q,)."""
     names = model.q_labels
-    given = np.zeros(len(names)) if model.parameters.start is None else np.asarray(model.parameters.start[1])
-    return np.where([name in led for name in names], 0.0, given)
+    start_velocities = np.zeros(len(names)) if model.parameters.start is None else np.asarray(model.parameters.start[1])
+    return np.where([name in led for name in names], 0.0, start_velocities)
 
 
-def run(asked: ModeRequest, integrated: bool = False) -> Found:
+def run(asked: ModeRequest, integrated: bool = False) -> ModeResult:
     """The linearised equations with the force; with ``integrated`` also the vibrations."""
-    found, led = nominal_motion(asked, 6 if integrated else 5)
-    along = linearised(asked, found)
-    for step, force in zip(along["steps"], _force(found), strict=True):
+    nominal, led = nominal_motion(asked, 6 if integrated else 5)
+    along = linearised(asked, nominal)
+    for step, force in zip(along["steps"], _force(nominal), strict=True):
         step["f0"] = force
     if not integrated:
-        return Found({**told(found), **along}, found.motion)
-    if not found.motion.model.topology.n_q:
+        return ModeResult({**nominal_data(nominal), **along}, nominal.motion)
+    if not nominal.motion.model.topology.n_q:
         # No released degree of freedom can vibrate.
-        return Found({**told(found), "dq": np.zeros((len(found.t), 0)), **along}, found.motion)
+        return ModeResult({**nominal_data(nominal), "dq": np.zeros((len(nominal.t), 0)), **along}, nominal.motion)
     rtol = asked.settings.get("ERROR", {}).get("relative", RTOL)
-    vibrations = perturbation(found, qd=_start(found.motion.model, led), rtol=rtol)
-    return _superposed(found, vibrations, along)
+    vibrations = perturbation(nominal, qd=_start(nominal.motion.model, led), rtol=rtol)
+    return _superposed(nominal, vibrations, along)
 
 
-def _superposed(found: Any, vibrations: Perturbation, along: dict[str, Any]) -> Found:
+def _superposed(nominal: Any, vibrations: Perturbation, along: dict[str, Any]) -> ModeResult:
     """Nominal motion and vibrations together."""
-    whole = vibrations.motion()
-    return Found({**told(found, whole), "dq": np.asarray(vibrations.q), **along}, whole)
+    total_motion = vibrations.motion()
+    return ModeResult({**nominal_data(nominal, total_motion), "dq": np.asarray(vibrations.q), **along}, total_motion)
 
 
 MODE = Mode(run, table, needs=("trajectory", "times"))

@@ -5,30 +5,30 @@ from typing import Any
 import numpy as np
 
 from ..linear.modes import modes
-from .answer_parts import hertz_of, numbered, poles_of, shapes, state_of
-from .mode import Found, Mode, ModeRequest
+from .answer_parts import equilibrium_answers, hertz_of, numbered_lines, poles_answers, shapes
+from .mode import Mode, ModeRequest, ModeResult
 
 
-def _run(asked: ModeRequest) -> Found:
+def _run(asked: ModeRequest) -> ModeResult:
     lin = asked.linearized()
     if not lin.matrices.symmetric:
         silent = "The stiffness is unsymmetric (moments about fixed axes, follower loads): `poles` answers alone."
         asked.warnings.append(silent)
         # The answer keeps its keys. Numbers that are not finite are null.
         none = dict.fromkeys(("eigenvalues", "frequencies_hz", "massless", "modes"))
-        return Found({**state_of(lin), **none, **poles_of(lin, always=True)})
-    found = modes(lin)
-    values, hertz = np.asarray(found.eigenvalues), np.asarray(found.frequencies)
+        return ModeResult({**equilibrium_answers(lin), **none, **poles_answers(lin, always=True)})
+    mode_set = modes(lin)
+    values, hertz = np.asarray(mode_set.eigenvalues), np.asarray(mode_set.frequencies)
     data = {
-        **state_of(lin),
-        "stable": found.stable,
+        **equilibrium_answers(lin),
+        "stable": mode_set.stable,
         "eigenvalues": values,
         "frequencies_hz": hertz_of(values, hertz),
-        "massless": found.massless,
-        "modes": shapes(found.shapes, lin.labels),
-        **poles_of(lin, always=False),
+        "massless": mode_set.massless,
+        "modes": shapes(mode_set.shapes, lin.labels),
+        **poles_answers(lin, always=False),
     }
-    return Found(data, found)
+    return ModeResult(data, mode_set)
 
 
 def _table(data: dict[str, Any]) -> list[str]:
@@ -37,9 +37,9 @@ def _table(data: dict[str, Any]) -> list[str]:
         pairs = list(zip(data["eigenvalues"], data["frequencies_hz"], strict=True))
         lines.append(f"natural frequencies [Hz] ({len(pairs)}, {data['massless']} motions without mass left out):")
         texts = [f"unstable, omega^2 = {v:.6g}" if f is None else f"{f:.7g}" for v, f in pairs]
-        lines += numbered(texts)
+        lines += numbered_lines(texts)
     elif "poles" in data:
-        lines += ["poles [1/s]:", *numbered([f"{re:.7g} {im:+.7g}j" for re, im in data["poles"]])]
+        lines += ["poles [1/s]:", *numbered_lines([f"{re:.7g} {im:+.7g}j" for re, im in data["poles"]])]
     return lines
 
 

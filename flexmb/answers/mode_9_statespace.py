@@ -5,24 +5,24 @@ from typing import Any
 import numpy as np
 
 from ..control.state_space import state_matrices
-from .answer_parts import matrix, poles_of, state_of
-from .mode import Found, Mode, ModeRequest
+from .answer_parts import equilibrium_answers, matrix, poles_answers
+from .mode import Mode, ModeRequest, ModeResult
 
 
-def _run(asked: ModeRequest) -> Found:
+def _run(asked: ModeRequest) -> ModeResult:
     lin = asked.linearized()
-    found, states = state_matrices(lin)
+    state_space, states = state_matrices(lin)
     data = {
-        **state_of(lin),
-        **{name: np.asarray(value) for name, value in found._asdict().items()},
+        **equilibrium_answers(lin),
+        **{name: np.asarray(value) for name, value in state_space._asdict().items()},
         "inputs": [s.name for s in lin.labels.inputs],
         "outputs": [s.name for s in lin.labels.outputs],
         "states": states,
-        **poles_of(lin, always=True),
+        **poles_answers(lin, always=True),
     }
     # A Bode plot needs an input that moves some output.
     moved = np.any(data["B"]) and np.any(data["C"])
-    return Found(data, None, "bode" if moved else "")
+    return ModeResult(data, None, "bode" if moved else "")
 
 
 def _table(data: dict[str, Any]) -> list[str]:

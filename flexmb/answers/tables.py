@@ -5,12 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 from ..mechanics.inertia import total_mass
 from ..model.model import Entry, Model
 from ..model.roles import Role
 from ..spacar.lines import statements
-from ..spacar.series import described
+from ..spacar.series import meaning_of_deformations
 from .answer_parts import matrix, row
 from .answers import Answer, mode_of
 
@@ -19,7 +19,7 @@ CLASS = {Role.FIXED: "O", Role.DEPENDENT: "C", Role.DOF: "M", Role.PRESCRIBED: "
 
 def table(data: dict[str, Any]) -> str:
     """Short table of an answer for the terminal."""
-    lines = [f"{clean(data['model'])}  mode {data['mode']}  status {data['status']}"]
+    lines = [f"{printable(data['model'])}  mode {data['mode']}  status {data['status']}"]
     lines.append("NDOF = NX - NXO - NEO = {nx} - {nxo} - {neo} = {ndof}".format(**data))
     names = ", ".join(f"{d['kind']} {d['of']}.{d['component']}" for d in data["dofs"])
     lines.append(f"degrees of freedom: {names or 'none named'}")
@@ -30,7 +30,7 @@ def table(data: dict[str, Any]) -> str:
         lines.append(f"stable: {'yes' if data['stable'] else 'NO'}")
     lines += mode_of(data["mode"]).table(data)
     for text, answer in data.get("asked", {}).items():
-        lines.append(f"{clean(text)} [{answer['unit']}]: {row(answer['values'])}")
+        lines.append(f"{printable(text)} [{answer['unit']}]: {row(answer['values'])}")
     return "\n".join(lines)
 
 
@@ -45,13 +45,19 @@ def _entries(title: str, entries: Sequence[Entry], roles: Sequence[Role]) -> lis
 def _series(model: Model) -> list[str]:
     """Meaning of the numbers of spectral beams."""
     blocks = [b for b in model.topology.blocks if b.element.fields and "deformation" in b.companions]
-    firsts = [(model.labels.e[row[0]].of, described(b.element)) for b in blocks for row in np.asarray(b.e).tolist()]
+    firsts = [
+        (model.labels.e[row[0]].of, meaning_of_deformations(b.element))
+        for b in blocks
+        for row in np.asarray(b.e).tolist()
+    ]
     return ["SPECTRAL BEAMS", *(f"  {name:<10}{text}" for name, text in firsts)] if firsts else []
 
 
 def _counts(kind: str, roles: Sequence[Role]) -> str:
-    found = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
-    return f"N{kind}O {found['O']}  N{kind}MM {found['M']}  N{kind}M {found['M'] + found['R']}  N{kind}C {found['C']}"
+    counts = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
+    return (
+        f"N{kind}O {counts['O']}  N{kind}MM {counts['M']}  N{kind}M {counts['M'] + counts['R']}  N{kind}C {counts['C']}"
+    )
 
 
 def log(found: Answer, source: str) -> str:
@@ -59,7 +65,7 @@ def log(found: Answer, source: str) -> str:
     data, model, lin = found.data, found.model, found.lin
     lines = [f"flexmb {data['flexmb']}   {data['model']}   mode {data['mode']}", "", "INPUT"]
     # Control letters are escaped: a terminal would act on them.
-    lines += ["  " + "".join(clean(c) for c in s.raw) for s in statements(source)]
+    lines += ["  " + "".join(printable(c) for c in s.raw) for s in statements(source)]
     if model is not None:
         x_roles, e_roles = model.roles()
         lines += ["", "Classes: O fixed, C calculable, M degree of freedom, R prescribed"]

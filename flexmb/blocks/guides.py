@@ -114,13 +114,13 @@ def double_parallel_guide(
         THEORY.md 13, eq. (13.1), (13.2).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing, inner=inner)
-    own: dict[str, Any] = {"length": length, "section": section, "y": y, "element": element}
+    shared: dict[str, Any] = {"length": length, "section": section, "y": y, "element": element}
     middle = parallel_guide(
-        b, s.base, s.inner("middle", length), spacing=spacing, name=f"{name} outer", at=s.origin, along=along, **own
+        b, s.base, s.inner("middle", length), spacing=spacing, name=f"{name} outer", at=s.origin, along=along, **shared
     )
     s.body(s.stage)
     return parallel_guide(
-        b, middle, s.stage, spacing=inner, name=f"{name} inner", at=s.place(length), along=-s.axes[0], **own
+        b, middle, s.stage, spacing=inner, name=f"{name} inner", at=s.place(length), along=-s.axes[0], **shared
     )
 
 
@@ -168,7 +168,7 @@ def straight_line_stage(
     """
     s = Site(b, base, stage, name, at, along, y, element, height=height)
     s.body(s.stage)
-    own: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
+    shared: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
     for label, side in (("1", 1.0), ("2", -1.0)):
         double_parallel_guide(
             b,
@@ -179,7 +179,7 @@ def straight_line_stage(
             along=side * s.axes[0],
             y=y,
             element=element,
-            **own,
+            **shared,
         )
     return s.stage
 
@@ -226,8 +226,8 @@ def xy_stage(
         THEORY.md 13, eq. (13.1).
     """
     s = Site(b, base, stage, name, at, along, y, element)
-    own: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
+    shared: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
     carriage = s.inner("carriage")
-    own |= {"at": s.origin, "y": y, "element": element}
-    double_parallel_guide(b, s.base, carriage, name=f"{name} 1", along=along, **own)
-    return double_parallel_guide(b, carriage, s.body(s.stage), name=f"{name} 2", along=s.axes[1], **own)
+    shared |= {"at": s.origin, "y": y, "element": element}
+    double_parallel_guide(b, s.base, carriage, name=f"{name} 1", along=along, **shared)
+    return double_parallel_guide(b, carriage, s.body(s.stage), name=f"{name} 2", along=s.axes[1], **shared)

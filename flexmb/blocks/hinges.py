@@ -59,10 +59,10 @@ def notch_hinge(
     """
     s = Site(b, base, stage, name, at, along, y, element)
     end = _extent(height, neck, radius)
-    own = _hinge(element, width, height, neck, radius, material)
+    hinge = _hinge(element, width, height, neck, radius, material)
     s.body(s.stage, end)
     foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (end,)))
-    s.beam("notch", (foot, s.base), (top, s.stage), *own)
+    s.beam("notch", (foot, s.base), (top, s.stage), *hinge)
     return s.stage
 
 
@@ -111,7 +111,7 @@ def notch_four_bar(
         THEORY.md 13, eq. (13.7), (13.8).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
-    own = _hinge(element, width, height, neck, radius, material)
+    hinge = _hinge(element, width, height, neck, radius, material)
     notch = _extent(height, neck, radius)
     with nan_if_refused() as marked:
         if not holds(length > notch):
@@ -123,8 +123,8 @@ def notch_four_bar(
         bar = s.inner(f"bar {label}", notch, across)
         upper = s.clamp(f"upper {label}", (bar, (length, across)))
         top = s.clamp(f"top {label}", (s.stage, (length + notch, across)))
-        s.beam(f"lower hinge {label}", (foot, s.base), (bar, bar), *own)
-        s.beam(f"upper hinge {label}", (upper, bar), (top, s.stage), *own)
+        s.beam(f"lower hinge {label}", (foot, s.base), (bar, bar), *hinge)
+        s.beam(f"upper hinge {label}", (upper, bar), (top, s.stage), *hinge)
     return s.stage
 
 

@@ -14,7 +14,7 @@ from jaxtyping import Array, Float
 from ..arguments import check_number, holds, is_concrete, nan_if_refused
 from ..build.assemble import stack
 from ..build.builder import Builder
-from ..build.given import listed, named
+from ..build.given import name_text, number_list
 from ..elements import planar, spatial
 from ..elements.sections import Circle, Profile, Rectangle, Scalar, Section
 from ..errors import ModelError
@@ -51,12 +51,12 @@ class Site:
         with nan_if_refused() as marked:
             for size, value in sizes.items():
                 check_number(size, value, above=0, fault=ModelError)
-        self.b, self.name, self.element = b, named("A block", name), element
-        self.base, self.stage = named("A node", base), named("A node", stage)
+        self.b, self.name, self.element = b, name_text("A block", name), element
+        self.base, self.stage = name_text("A node", base), name_text("A node", stage)
         self._check_position(self.base)
         if self.base not in b.nodes:
-            near = difflib.get_close_matches(self.base, b.nodes, 1)
-            hint = f"Did you mean '{near[0]}'?" if near else "Add it with node() first."
+            similar = difflib.get_close_matches(self.base, b.nodes, 1)
+            hint = f"Did you mean '{similar[0]}'?" if similar else "Add it with node() first."
             raise ModelError(f"No node '{self.base}' (base of block '{name}'). {hint}")
         if self.base == self.stage:
             raise ModelError(f"Block '{name}' joins node '{base}' to itself. Give it two nodes.")
@@ -69,8 +69,8 @@ class Site:
         if node in self.b.nodes and self.b.nodes[node].kind.part != "position":
             raise ModelError(f"Node '{node}' of block '{self.name}' has no position: it is a rotation.")
 
-    def _vector(self, argument: str, given: Vector) -> Any:
-        values = listed(f"Argument `{argument}` of block '{self.name}'", given)
+    def _vector(self, argument: str, vector: Vector) -> Any:
+        values = number_list(f"Argument `{argument}` of block '{self.name}'", vector)
         if len(values) != self.b.dimension:
             raise ModelError(
                 f"Argument `{argument}` of block '{self.name}' must have {self.b.dimension} components, but has"
@@ -83,8 +83,8 @@ class Site:
         plane = self.b.dimension == 2
         if plane and y is not None:
             raise ModelError(f"Argument `y` of block '{self.name}' is for mechanisms in space.")
-        given = (0.0, 1.0, 0.0)[: self.b.dimension] if along is None else along
-        first = self._unit("along", self._vector("along", given))
+        direction = (0.0, 1.0, 0.0)[: self.b.dimension] if along is None else along
+        first = self._unit("along", self._vector("along", direction))
         if plane:
             self.y, self.axes = None, stack([first, stack([first[1], -first[0]])])
             return
@@ -97,8 +97,8 @@ class Site:
         size = (vector @ vector) ** 0.5
         with nan_if_refused() as marked:
             if not holds(size >= SHORTEST_DIRECTION):
-                what = "has no length" if argument == "along" else "must not be parallel to `along`"
-                raise ModelError(f"Argument `{argument}` of block '{self.name}' {what}.")
+                requirement = "has no length" if argument == "along" else "must not be parallel to `along`"
+                raise ModelError(f"Argument `{argument}` of block '{self.name}' {requirement}.")
             return marked(vector / size)
 
     def place(self, *coordinates: Scalar) -> Any:

@@ -63,9 +63,9 @@ def folded_leaf_spring(
     end = length + second * xp.cos(fold), second * xp.sin(fold)
     s.body(s.stage, *end)
     foot, middle, top = s.clamp("foot", (s.base, ())), s.inner("fold", length), s.clamp("top", (s.stage, end))
-    own = leaf_spring, section
-    s.beam("leaf 1", (foot, s.base), (middle, middle), *own)
-    s.beam("leaf 2", (middle, middle), (top, s.stage), *own)
+    leaf = leaf_spring, section
+    s.beam("leaf 1", (foot, s.base), (middle, middle), *leaf)
+    s.beam("leaf 2", (middle, middle), (top, s.stage), *leaf)
     return s.stage
 
 

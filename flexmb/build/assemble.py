@@ -45,12 +45,12 @@ def stack(values: Sequence[Any]) -> Any:
     distinct = list({id(v): v for v in values}.values())
     traced = [v for v in distinct if not is_concrete(v)]
     known = [v for v in distinct if is_concrete(v)]
-    found = jnp.stack([jnp.asarray(v, float) for v in traced])
+    stacked = jnp.stack([jnp.asarray(v, float) for v in traced])
     if known:
-        found = jnp.concatenate([np.stack([np.asarray(v, float) for v in known]), found])
+        stacked = jnp.concatenate([np.stack([np.asarray(v, float) for v in known]), stacked])
     order = {id(v): i for i, v in enumerate([*known, *traced])}
     places = np.array([order[id(v)] for v in values])
-    return found if np.array_equal(places, np.arange(len(distinct))) else found[places]
+    return stacked if np.array_equal(places, np.arange(len(distinct))) else stacked[places]
 
 
 def _powers(kind: NodeKind) -> tuple[int, ...]:
@@ -84,14 +84,14 @@ def assemble(builder: Description) -> Model:
         e_labels += [Entry(name, i, f"{symbol}{i}", kind, called.get(i, "")) for i in range(1, len(roles) + 1)]
         e_roles += roles
 
-    warm = {of for sets in builder.loads.values() for _, of, _ in sets.get("temperature", {})}
+    warm = {owner for sets in builder.loads.values() for _, owner, _ in sets.get("temperature", {})}
     blocks, properties, stressed = _blocks(builder, members, first_x, warm)
     points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
 
     def index(key: Key):
-        kind, of, number = key
-        return (first_e if kind == "element" else first_x)[of] + number - 1
+        kind, owner, number = key
+        return (first_e if kind == "element" else first_x)[owner] + number - 1
 
     dofs_x = [index(d) for d in builder.dofs if d[0] == "node"]
     dofs_e = [index(d) for d in builder.dofs if d[0] == "element"]
@@ -125,8 +125,8 @@ def assemble(builder: Description) -> Model:
             elif s.quantity == "reaction" and frame_of(key[1]) in builder.nodes:
                 key = ("node", frame_of(key[1]), 1)
         of_element, at = key[0] == "element", index(key)
-        held = (e_roles if of_element else x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
-        return Signal(s.name, s.quantity, at, axis, s.local, of_element, held)
+        constrained = (e_roles if of_element else x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
+        return Signal(s.name, s.quantity, at, axis, s.local, of_element, constrained)
 
     signals = {kind: tuple(signal(s) for s in entries) for kind, entries in builder.signals.items()}
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)
@@ -166,7 +166,10 @@ def with_roles(model: Model, builder: Description) -> Model:
     x_roles = [role for node in builder.nodes.values() for role in node.roles]
     e_roles = [role for member in builder.members.values() for role in member.roles]
     e_roles += [Role.FIXED] * (len(model.labels.e) - len(e_roles))
-    chosen = {kind: [own[of, number] for k, of, number in builder.dofs if k == kind] for kind, own in places.items()}
+    chosen = {
+        kind: [indices[owner, number] for k, owner, number in builder.dofs if k == kind]
+        for kind, indices in places.items()
+    }
     x, e = on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, x=x, e=e))
 
@@ -235,22 +238,22 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
         )
         key = (element, _structure(element.of_deformation(properties)))
         groups.setdefault(key, []).append(_Piece(name, x, e, splits, properties, present))
-    found: list[tuple[Block, dict[str, Any], tuple[str | None, ...]]] = []
-    for (element, _), pieces in groups.items():
+    blocks: list[tuple[Block, dict[str, Any], tuple[str | None, ...]]] = []
+    for (element, _), group in groups.items():
         alike: dict[Any, list[_Piece]] = {}
-        for piece in pieces:
+        for piece in group:
             alike.setdefault(_structure(piece.properties), []).append(piece)
-        apart = len(alike) > 1
-        if apart and pieces[0].e:
-            deformed = [p._replace(properties=element.of_deformation(p.properties)) for p in pieces]
-            found.append(_block(element, ("deformation",), deformed))
-        for own in alike.values():
-            companions = tuple(c for c in COMPANIONS if any(c in p.companions for p in own))
-            if not apart and own[0].e:
+        separate = len(alike) > 1
+        if separate and group[0].e:
+            deformed = [p._replace(properties=element.of_deformation(p.properties)) for p in group]
+            blocks.append(_block(element, ("deformation",), deformed))
+        for subgroup in alike.values():
+            companions = tuple(c for c in COMPANIONS if any(c in p.companions for p in subgroup))
+            if not separate and subgroup[0].e:
                 companions = ("deformation", *companions)
             if companions:
-                found.append(_block(element, companions, own))
-    return tuple(f[0] for f in found), tuple(f[1] for f in found), tuple(f[2] for f in found)
+                blocks.append(_block(element, companions, subgroup))
+    return tuple(f[0] for f in blocks), tuple(f[1] for f in blocks), tuple(f[2] for f in blocks)
 
 
 def _source(companion: str, properties: dict[str, Any]) -> str:
@@ -266,40 +269,42 @@ def _structure(properties: dict[str, Any]) -> Any:
     sections of leaf springs only with their kind, since the deformations depend on the sides.
     """
     options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
-    rest = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
+    numbers = {k: v for k, v in properties.items() if not is_option(v) and k != "section"}
     if isinstance(section := properties.get("section"), Profile | General) or "clamped" in properties:
-        rest["section"] = section
-    leaves, structure = jax.tree.flatten(rest)
+        numbers["section"] = section
+    leaves, structure = jax.tree.flatten(numbers)
     return options, structure, tuple(np.shape(leaf) for leaf in leaves)
 
 
 def _block(
-    element: Element, companions: tuple[str, ...], pieces: list[_Piece]
+    element: Element, companions: tuple[str, ...], members: list[_Piece]
 ) -> tuple[Block, dict[str, Any], tuple[str | None, ...]]:
     """Elements stacked; several kinds of sections become a tuple of stacks, with the elements in this order."""
     kinds: dict[Any, list[_Piece]] = {}
-    for piece in pieces:
+    for piece in members:
         section = piece.properties.get("section")
         kinds.setdefault(jax.tree.structure(section), []).append(piece)
     if len(kinds) > 1:
         # An element without section, among others with one, gets a section of zeros.
-        filled = [p if p.properties["section"] is not None else _with_section(p) for own in kinds.values() for p in own]
+        filled = [
+            p if p.properties["section"] is not None else _with_section(p) for group in kinds.values() for p in group
+        ]
         kinds = {}
         for piece in filled:
             kinds.setdefault(jax.tree.structure(piece.properties["section"]), []).append(piece)
-    ordered = [piece for own in kinds.values() for piece in own]
+    ordered = [piece for group in kinds.values() for piece in group]
     x: Any = np.array([p.x for p in ordered], int)
     e: Any = np.array([p.e for p in ordered], int).reshape(len(ordered), -1)
     options = tuple(sorted((k, v) for k, v in ordered[0].properties.items() if is_option(v)))
     stacked = {}
     for name, value in ordered[0].properties.items():
         if name == "section":
-            stacks = tuple(_stack_trees([p.properties[name] for p in own]) for own in kinds.values())
+            stacks = tuple(_stack_trees([p.properties[name] for p in group]) for group in kinds.values())
             stacked[name] = stacks if len(kinds) > 1 else _stack_trees([p.properties[name] for p in ordered])
         elif not is_option(value):
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
-    told = "resultants" in companions
-    stressed = tuple(p.name if told and "resultants" in p.companions else None for p in ordered)
+    has_resultants = "resultants" in companions
+    stressed = tuple(p.name if has_resultants and "resultants" in p.companions else None for p in ordered)
     block = Block(element, companions, options, x, e, ordered[0].splits)
     return *with_meaning(block, stacked), stressed
 
@@ -343,8 +348,8 @@ def _loads(entries: dict, topology: Topology, index: Callable[[Any], int]) -> Lo
     prescribed = entries.get("prescribed", {})
     chosen = {}
     for field, roles, kind in (("x", topology.x, "node"), ("e", topology.e, "element")):
-        own = {key: value for key, value in prescribed.items() if key[0] == kind}
-        dense = _sparse(own, roles.size, index)
+        of_kind = {key: value for key, value in prescribed.items() if key[0] == kind}
+        dense = _sparse(of_kind, roles.size, index)
         chosen[field] = None if dense is None else dense[np.asarray(roles.prescribed)]
     gravity = entries.get("gravity")
     return Loads(

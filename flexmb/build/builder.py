@@ -19,7 +19,7 @@ from ..arguments import (
     is_concrete,
     nan_if_refused,
     require_double_precision,
-    shown,
+    short_repr,
 )
 from ..compilation.compile import unguarded
 from ..elements import planar, spatial
@@ -33,18 +33,18 @@ from ..model.model import MOTIONS, Model
 from ..model.roles import Role
 from ..numerical_limits import SYMMETRIC_INERTIA
 from .assemble import assemble, stack
-from .calls import recorded
-from .carry import as_in, next_carried, note, note_builder
+from .calls import records_call
+from .carry import as_in, collect_model, next_carried, note_builder
 from .clamps import with_clamps
 from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
-from .dofs import check_inputs, complete, with_started
+from .dofs import check_inputs, complete_model, with_started
 from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
-from .given import listed, named, released_in, some_of
+from .given import at_least_one, name_text, number_list, released_in
 from .idle import warn_of_idle
 from .mistaken_units import warn_of_lengths
 from .plain_beams import warn_of_plain_beams
-from .properties import complete as complete_properties
+from .properties import complete_properties as complete_properties
 from .properties import element_type, number_of_deformations, with_material_damping, with_options
 from .sound import nan_if_impossible
 from .step import body_of_step
@@ -80,7 +80,7 @@ class Builder(Description):
 
     # -- nodes and elements ------------------------------------------------------------------------------------
 
-    @recorded
+    @records_call
     def node(self, name: str, position: Sequence[float]) -> str:
         """Add a node at a position.
 
@@ -94,19 +94,19 @@ class Builder(Description):
         Raises:
             ModelError: The name exists, or the position is not finite or differs in dimension from the other nodes.
         """
-        name = named("A node", name)
+        name = name_text("A node", name)
         if name.endswith(".rotation"):
             raise ModelError(
                 f"Node '{name}' has a name that is reserved for the rotation of a node: add a rotation with rotation()."
             )
-        position = listed(f"Node '{name}'", position)
+        position = number_list(f"Node '{name}'", position)
         if len(position) not in (2, 3):
             raise ModelError(f"Node '{name}' must have 2 or 3 coordinates, but has {len(position)}.")
         kind = POINT2 if len(position) == 2 else POINT3
         self._new_node(name, kind, position)
         return name
 
-    @recorded
+    @records_call
     def rotation(self, name: str, start: Sequence[float] | None = None) -> str:
         """Add a separate rotation, for a second body that is hinged to a node whose rotation belongs to another body.
 
@@ -120,13 +120,13 @@ class Builder(Description):
         Raises:
             ModelError: The name exists, there is no node with a position yet, or ``start`` is no rotation.
         """
-        name = named("A rotation", name)
+        name = name_text("A rotation", name)
         kind = ANGLE if self._dimension_for(name) == 2 else ROTATION3
-        own = list(kind.start) if start is None else listed(f"Start of rotation '{name}'", start)
-        self._new_node(name, kind, own)
+        start_values = list(kind.start) if start is None else number_list(f"Start of rotation '{name}'", start)
+        self._new_node(name, kind, start_values)
         return name
 
-    @recorded
+    @records_call
     def warping(self, name: str) -> str:
         """Add a separate warping coordinate, for beams that do not share the warping of their node.
 
@@ -139,12 +139,12 @@ class Builder(Description):
         Raises:
             ModelError: The name exists, or there is no node with a position in space yet.
         """
-        name = named("A warping", name)
+        name = name_text("A warping", name)
         self._dimension_for(name)
         self._new_node(name, WARPING, list(WARPING.start))
         return name
 
-    @recorded
+    @records_call
     @unguarded
     def add(
         self,
@@ -177,7 +177,7 @@ class Builder(Description):
                 together.
         """
         element = element_type(element)
-        name = self._free_name(element.name) if name is None else named("An element", name)
+        name = self._free_name(element.name) if name is None else name_text("An element", name)
         if name in self.members:
             raise ModelError(f"Element '{name}' is defined twice. Give each element its own name.")
         element, properties = with_options(
@@ -187,8 +187,8 @@ class Builder(Description):
         n_e = number_of_deformations(element, name, properties)
         companions = [c for c in (getattr(element, kind) for kind in COMPANIONS) if c is not None]
         if not n_e and all(element.arguments(c, properties) is None for c in companions):
-            wanted = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
-            raise ModelError(f"Element '{name}' ({element.name}) has no effect without the property {wanted}.")
+            needed = ", ".join(repr(key) for c in companions for key in element.wanted(c)) or "a companion"
+            raise ModelError(f"Element '{name}' ({element.name}) has no effect without the property {needed}.")
         roles = [Role.FIXED] * n_e
         usual = element.freed(properties)
         for i in (*released_in(name, usual if released is None else released, element, n_e), *element.measured):
@@ -206,7 +206,7 @@ class Builder(Description):
 
     # -- supports, degrees of freedom, mass, loads ---------------------------------------------------------------
 
-    @recorded
+    @records_call
     def fix(self, node: str, *components: str | int) -> None:
         """Fix coordinates at their start values: a support.
 
@@ -234,15 +234,15 @@ class Builder(Description):
             parts = [self._rotation_name(node)]
         else:
             parts = [self._position(node)] if word == "position" else [node, f"{node}.rotation"]
-        there = [part for part in parts if part in self.nodes or word == "rotation"]
-        self._set_roles([("node", p, i + 1) for p in there for i in range(self._kind_of(p).size)], Role.FIXED)
+        existing = [part for part in parts if part in self.nodes or word == "rotation"]
+        self._set_roles([("node", p, i + 1) for p in existing for i in range(self._kind_of(p).size)], Role.FIXED)
         for name, member in self.members.items():
             # A rotation FIXED as a whole replaces one that is FIXED about an axis.
-            if name.startswith(TURN_OF) and member.nodes[-1] in there and member.roles[0] is Role.FIXED:
+            if name.startswith(TURN_OF) and member.nodes[-1] in existing and member.roles[0] is Role.FIXED:
                 member.roles[0] = Role.DEPENDENT
-        self._clamped.update(part for part in parts if part not in there)
+        self._clamped.update(part for part in parts if part not in existing)
 
-    @recorded
+    @records_call
     def prescribe(
         self,
         of: str,
@@ -288,7 +288,7 @@ class Builder(Description):
         self._set_roles([entry], Role.PRESCRIBED)
         self._load("prescribed", increment)[entry] = copied(value)
 
-    @recorded
+    @records_call
     def start(
         self, of: str, component: str | int, value: float = 0.0, velocity: float = 0.0, *, kind: str | None = None
     ) -> None:
@@ -305,13 +305,13 @@ class Builder(Description):
             velocity: Its rate, () [m/s, rad/s].
             kind: "node" or "element", if both have the name.
         """
-        for what, number in (("value", value), ("velocity", velocity)):
-            check_numbers(f"Start {what} of '{of}'", number, (), ModelError)
+        for quantity, number in (("value", value), ("velocity", velocity)):
+            check_numbers(f"Start {quantity} of '{of}'", number, (), ModelError)
         entry = self._entry(of, component, kind)
         self._owner(entry)
         self.starts[entry] = copied((value, velocity))
 
-    @recorded
+    @records_call
     def mass(self, node: str, mass: Any, *, inertia: Any = None) -> None:
         """Put a lumped mass on a node, and optionally rotary inertia on its rotation.
 
@@ -330,7 +330,7 @@ class Builder(Description):
         if rotary is not None:
             self._add_hidden("inertia", rotary[0], inertia=rotary[1])
 
-    @recorded
+    @records_call
     def inertia(self, node: str, inertia: Any) -> None:
         """Put lumped rotary inertia on a node's rotation.
 
@@ -341,10 +341,10 @@ class Builder(Description):
         Raises:
             ModelError: The number of values is wrong, or the matrix is not symmetric.
         """
-        rotation, own = self._inertia(node, inertia)
-        self._add_hidden("inertia", rotation, inertia=own)
+        rotation, checked_inertia = self._inertia(node, inertia)
+        self._add_hidden("inertia", rotation, inertia=checked_inertia)
 
-    @recorded
+    @records_call
     @unguarded
     def body(
         self,
@@ -381,25 +381,27 @@ class Builder(Description):
             THEORY.md 3, its table.
         """
         part, rotation = self._position(node), self._rotation_name(str(node))
-        what, dimension = f"The body on node '{node}'", self.dimension or 2
+        subject, dimension = f"The body on node '{node}'", self.dimension or 2
         if step is not None:
             if beside := [n for n, v in (("mass", mass), ("center", center), ("inertia", inertia)) if v is not None]:
-                raise ModelError(f"{what}: a STEP file determines its {' and '.join(beside)}; leave out one of them.")
-            mass, center, inertia = body_of_step(what, step, material, at, dimension)
-        elif given := [n for n, v in (("material", material), ("at", at)) if v is not None]:
-            raise ModelError(f"{what}: {' and '.join(given)} needs a STEP file: give step= too.")
+                raise ModelError(
+                    f"{subject}: a STEP file determines its {' and '.join(beside)}; leave out one of them."
+                )
+            mass, center, inertia = body_of_step(subject, step, material, at, dimension)
+        elif extra := [n for n, v in (("material", material), ("at", at)) if v is not None]:
+            raise ModelError(f"{subject}: {' and '.join(extra)} needs a STEP file: give step= too.")
         if mass is None:
-            raise ModelError(f"{what} needs a mass [kg], or a STEP file and its material.")
+            raise ModelError(f"{subject} needs a mass [kg], or a STEP file and its material.")
         center = [0.0] * dimension if center is None else center
         inertia = (0.0 if dimension == 2 else [0.0] * 6) if inertia is None else inertia
-        check_numbers(f"{what}: its mass", mass, (), ModelError)
-        check_numbers(f"{what}: its center", center, (dimension,), ModelError)
-        own = {"mass": mass, "center": center, "inertia": self._inertia(node, inertia)[1]}
-        if is_concrete((mass, own["inertia"])):
+        check_numbers(f"{subject}: its mass", mass, (), ModelError)
+        check_numbers(f"{subject}: its center", center, (dimension,), ModelError)
+        properties = {"mass": mass, "center": center, "inertia": self._inertia(node, inertia)[1]}
+        if is_concrete((mass, properties["inertia"])):
             check: Any = (planar.body if dimension == 2 else spatial.body).check
-            for fault in check(ref=None, mass=mass, inertia=own["inertia"]):
-                raise ModelError(f"{what} {fault}.")
-        self._add_hidden("body", part, rotation, **own)
+            for fault in check(ref=None, mass=mass, inertia=properties["inertia"]):
+                raise ModelError(f"{subject} {fault}.")
+        self._add_hidden("body", part, rotation, **properties)
 
     def _inertia(self, node: str, inertia: Any) -> tuple[str, Any]:
         """Name of a node's rotation, and a copy of its inertia, checked."""
@@ -422,7 +424,7 @@ class Builder(Description):
             )
         return rotation, inertia
 
-    @recorded
+    @records_call
     def force(self, node: str, force: Sequence[float], *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant force to a node.
 
@@ -436,7 +438,7 @@ class Builder(Description):
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
         for name, flag in (("increment", increment), ("follower", follower)):
             check_flag(name, flag, ModelError)
-        force, kind = listed(f"Force on node '{part}'", force), self.nodes[part].kind
+        force, kind = number_list(f"Force on node '{part}'", force), self.nodes[part].kind
         size = kind.size
         if len(force) > size or (len(force) < size and kind.part != "internal"):
             raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
@@ -451,7 +453,7 @@ class Builder(Description):
             key = ("node", part, i + 1)
             forces[key] = forces.get(key, 0.0) + value
 
-    @recorded
+    @records_call
     def moment(self, node: str, moment: Any, *, increment: bool = False, follower: bool = False) -> None:
         """Apply a constant moment to a node's rotation, about fixed axes or about axes that turn with it.
 
@@ -465,8 +467,8 @@ class Builder(Description):
         for name, flag in (("increment", increment), ("follower", follower)):
             check_flag(name, flag, ModelError)
         flat = self._kind_of(part) is ANGLE
-        told = "one number in the plane" if flat else "three numbers in space"
-        components = self._numbers_of(f"Moment on node '{node}'", moment, (1,) if flat else (3,), told)
+        expected = "one number in the plane" if flat else "three numbers in space"
+        components = self._numbers_of(f"Moment on node '{node}'", moment, (1,) if flat else (3,), expected)
         if flat:
             self._owner(("node", part, 1))
             self.force(part, components, increment=increment)
@@ -474,7 +476,7 @@ class Builder(Description):
             options = {"incremental": True} if increment else {}
             self._add_hidden("follower_moment" if follower else "moment", part, moment=moment, **options)
 
-    @recorded
+    @records_call
     def gravity(self, acceleration: Sequence[float], *, increment: bool = False) -> None:
         """Let gravity act on all mass; a second call replaces the first.
 
@@ -483,11 +485,11 @@ class Builder(Description):
             increment: Whether it belongs to the incremental loads.
         """
         check_flag("increment", increment, ModelError)
-        acceleration = listed("Gravity", acceleration)
+        acceleration = number_list("Gravity", acceleration)
         self._check_gravity(acceleration)
         self._load("gravity", increment)["all"] = acceleration
 
-    @recorded
+    @records_call
     def prestress(self, element: str, *values: float, increment: bool = False, **named: float) -> None:
         """Add constant stress resultants to the elastic stress resultants; a second call replaces the first.
 
@@ -507,7 +509,7 @@ class Builder(Description):
         check_flag("increment", increment, ModelError)
         self._load("prestress", increment).update(self._values("Prestress", element, values, named))
 
-    @recorded
+    @records_call
     def strain(self, element: str, *values: float, **named: float) -> None:
         """Set the deformations at which an element is free of stress; a second call replaces the first.
 
@@ -528,7 +530,7 @@ class Builder(Description):
             raise ModelError(f"Strain of element '{element}': it has no stiffness, so a strain has no effect.")
         self._load("strain", False).update(self._values("Strain", element, values, named))
 
-    @recorded
+    @records_call
     def temperature(self, element: str, change: Any, *, gradient: Any = None, increment: bool = False) -> None:
         """Change the temperature of an element, which expands and bends away from its warmer side.
 
@@ -550,32 +552,32 @@ class Builder(Description):
         """
         check_flag("increment", increment, ModelError)
         name, member = str(element), self._member(element)
-        what = f"Temperature of element '{name}'"
+        subject = f"Temperature of element '{name}'"
         if member.element.thermal is None:
             raise ModelError(
-                f"{what}: temperature does not deform an element of type {member.element.name}. Trusses, beams,"
+                f"{subject}: temperature does not deform an element of type {member.element.name}. Trusses, beams,"
                 " spectral beams, rigid beams and your own elements with a companion `thermal` expand."
             )
         if not member.element.expands(member.properties):
             raise ModelError(
-                f"{what}: its coefficient of thermal expansion is not stated. Give its material alpha, as in"
+                f"{subject}: its coefficient of thermal expansion is not stated. Give its material alpha, as in"
                 " Material(.., alpha=11.5e-6), or a section or rigid element that has no material alpha itself."
             )
-        ends = self._numbers_of(what, change, (1, 2), "one number, or two for its ends")
+        ends = self._numbers_of(subject, change, (1, 2), "one number, or two for its ends")
         axes = (self.dimension or 2) - 1
         across = [0.0] * axes
         if gradient is not None:
             if not member.element.bends_by_heat:
                 raise ModelError(
-                    f"{what}: an element of type {member.element.name} does not bend. Leave the gradient out."
+                    f"{subject}: an element of type {member.element.name} does not bend. Leave the gradient out."
                 )
-            told = "two numbers in space, along local y and z" if axes == 2 else "one number in the plane"
-            across = self._numbers_of(f"Gradient of the temperature of element '{name}'", gradient, (axes,), told)
+            expected = "two numbers in space, along local y and z" if axes == 2 else "one number in the plane"
+            across = self._numbers_of(f"Gradient of the temperature of element '{name}'", gradient, (axes,), expected)
         self._load("temperature", increment)["element", name, 1] = [ends[0], ends[-1], *across]
 
     # -- inputs and outputs -------------------------------------------------------------------------------------
 
-    @recorded
+    @records_call
     def input(
         self,
         of: str,
@@ -608,7 +610,7 @@ class Builder(Description):
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
-    @recorded
+    @records_call
     def output(
         self,
         of: str,
@@ -642,7 +644,7 @@ class Builder(Description):
         """
         self._add_signal("output", name, self._signal("output", of, component, quantity, kind, local))
 
-    @recorded
+    @records_call
     def sensor(self, name: str, weights: Mapping[str, Any]) -> None:
         """Name an output that is a linear combination of measured quantities.
 
@@ -661,7 +663,7 @@ class Builder(Description):
         """
         self._combine("output", "sensor", name, weights)
 
-    @recorded
+    @records_call
     def actuator(self, name: str, weights: Mapping[str, Any]) -> None:
         """Name an input that acts on several coordinates or deformations at once.
 
@@ -680,86 +682,89 @@ class Builder(Description):
         """
         self._combine("input", "actuator", name, weights)
 
-    def _combine(self, side: str, what: str, name: str, weights: Mapping[str, Any]) -> None:
-        name = named(f"A {what}" if side == "output" else f"An {what}", name)
+    def _combine(self, side: str, kind: str, name: str, weights: Mapping[str, Any]) -> None:
+        name = name_text(f"A {kind}" if side == "output" else f"An {kind}", name)
         if not isinstance(weights, Mapping) or not weights:
             raise ModelError(
-                f"{what.capitalize()} '{name}' needs a dictionary of its parts and their factors, such as"
-                f" {{'A.x': 1.0, 'B.x': -1.0}}, not {shown(weights)}."
+                f"{kind.capitalize()} '{name}' needs a dictionary of its parts and their factors, such as"
+                f" {{'A.x': 1.0, 'B.x': -1.0}}, not {short_repr(weights)}."
             )
         parts = []
-        for said, factor in weights.items():
-            check_numbers(f"{what.capitalize()} '{name}': the factor of '{said}'", factor, (), ModelError)
-            parts.append(self._part(side, f"{what.capitalize()} '{name}'", said))
+        for text, factor in weights.items():
+            check_numbers(f"{kind.capitalize()} '{name}': the factor of '{text}'", factor, (), ModelError)
+            parts.append(self._part(side, f"{kind.capitalize()} '{name}'", text))
         if side == "input" and len(kinds := {p.quantity if p.quantity in MOTIONS else "force" for p in parts}) > 1:
             raise ModelError(
                 f"Actuator '{name}' has parts of several kinds, {', '.join(sorted(kinds))}: combine forces, moments and"
                 " stresses, or motions of one quantity."
             )
         keys = [part[1:5] for part in parts]
-        if twice := [said for i, said in enumerate(weights) if keys[i] in keys[:i]]:
-            raise ModelError(f"{what.capitalize()} '{name}' has '{twice[0]}' twice: give the sum of its factors.")
-        signal = NamedSignal("", what, parts[0].key, parts=tuple(parts), weights=copied(tuple(weights.values())))
+        if twice := [text for i, text in enumerate(weights) if keys[i] in keys[:i]]:
+            raise ModelError(f"{kind.capitalize()} '{name}' has '{twice[0]}' twice: give the sum of its factors.")
+        signal = NamedSignal("", kind, parts[0].key, parts=tuple(parts), weights=copied(tuple(weights.values())))
         self._add_signal(side, name, signal)
 
-    def _part(self, side: str, what: str, said: str) -> NamedSignal:
+    def _part(self, side: str, subject: str, text: str) -> NamedSignal:
         """A part of a combination, given as "node.component" after a quantity."""
-        of, _, component = str(said).rpartition(".")
+        owner, _, component = str(text).rpartition(".")
         quantity = ""
-        if of not in self.members and not self._is_node(of):
-            first = [q for q in (*FORCES, *MOTIONS, *MEASURED, *STRAINED) if of.startswith(f"{q} ")]
+        if owner not in self.members and not self._is_node(owner):
+            first = [q for q in (*FORCES, *MOTIONS, *MEASURED, *STRAINED) if owner.startswith(f"{q} ")]
             quantity = max(first, key=len, default="")
-            of = of.removeprefix(f"{quantity} ") if quantity else of
-        if not of:
+            owner = owner.removeprefix(f"{quantity} ") if quantity else owner
+        if not owner:
             raise ModelError(
-                f"{what}: '{said}' is no part: write node and component, such as 'tip.y', or element and number."
+                f"{subject}: '{text}' is no part: write node and component, such as 'tip.y', or element and number."
             )
-        return self._signal(side, of, component, quantity, None, False)
+        return self._signal(side, owner, component, quantity, None, False)
 
-    def _is_node(self, of: str) -> bool:
-        return of in self.nodes or of.removesuffix(".rotation") in self.nodes
+    def _is_node(self, name: str) -> bool:
+        return name in self.nodes or name.removesuffix(".rotation") in self.nodes
 
     def _signal(
-        self, side: str, of: str, component: str | int, quantity: str, kind: str | None, local: bool
+        self, side: str, owner: str, component: str | int, quantity: str, kind: str | None, local: bool
     ) -> NamedSignal:
         """An input or output, with a label built from its arguments."""
-        entry, axis = self._signalled(side.capitalize(), of, component, kind, local)
+        entry, axis = self._signalled(side.capitalize(), owner, component, kind, local)
         angle = axis is None and entry[0] == "node" and self._kind_of(entry[1]) is ANGLE
         if side == "output":
             allowed = STRAINED if entry[0] == "element" else MEASURED
         else:
-            own = ("stress",) if entry[0] == "element" else ("force",) if axis is None else ("moment",)
-            allowed = (*own, *(("moment",) if angle else ()), *MOTIONS)
-        given = quantity or allowed[0]
-        if not isinstance(given, str) or given not in allowed:
+            usual = ("stress",) if entry[0] == "element" else ("force",) if axis is None else ("moment",)
+            allowed = (*usual, *(("moment",) if angle else ()), *MOTIONS)
+        chosen = quantity or allowed[0]
+        if not isinstance(chosen, str) or chosen not in allowed:
             raise ModelError(
-                f"{side.capitalize()} '{of}.{component}' must be one of {', '.join(allowed)}, not {shown(given)}."
+                f"{side.capitalize()} '{owner}.{component}' must be one of {', '.join(allowed)}, not"
+                f" {short_repr(chosen)}."
             )
         # In the plane a moment is a force dual to the angle.
-        meant = "force" if angle and given == "moment" else given
-        return NamedSignal(f"{given} {of}.{component}", meant, entry, axis, local)
+        meant = "force" if angle and chosen == "moment" else chosen
+        return NamedSignal(f"{chosen} {owner}.{component}", meant, entry, axis, local)
 
-    def _signalled(self, side: str, of: str, component: Any, kind: str | None, local: bool) -> tuple[Key, int | None]:
+    def _signalled(
+        self, side: str, owner: str, component: Any, kind: str | None, local: bool
+    ) -> tuple[Key, int | None]:
         """Key of a signal, and the axis of a rotation in space."""
         check_flag("local", local, ModelError)
         self._check_kind(kind)
-        of = str(of)
+        owner = str(owner)
         about = self.dimension == 3 and isinstance(component, str) and component in TURNS
-        if about and kind != "element" and not (kind is None and of in self.members and of not in self.nodes):
-            return ("node", self._rotation_name(of), 1), TURNS.index(component)
+        if about and kind != "element" and not (kind is None and owner in self.members and owner not in self.nodes):
+            return ("node", self._rotation_name(owner), 1), TURNS.index(component)
         if local:
-            raise ModelError(f"{side} '{of}.{component}': only a rotation in space (rx, ry, rz) takes `local`.")
-        entry = self._entry(of, component, kind)
+            raise ModelError(f"{side} '{owner}.{component}': only a rotation in space (rx, ry, rz) takes `local`.")
+        entry = self._entry(owner, component, kind)
         if entry[0] == "node" and self._kind_of(entry[1]) is ROTATION3:
-            own = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
+            name = f"{entry[1]}.{ROTATION3.components[entry[2] - 1]}"
             raise ModelError(
-                f"{side} '{own}' is an Euler parameter. It is no angle, and its dual force is no moment. Name the axis"
+                f"{side} '{name}' is an Euler parameter. It is no angle, and its dual force is no moment. Name the axis"
                 " of the rotation: rx, ry or rz."
             )
         return entry, None
 
     def _add_signal(self, side: str, name: str | None, signal: NamedSignal) -> None:
-        name = named(f"An {side}", name or signal.name)
+        name = name_text(f"An {side}", name or signal.name)
         # In a control system a blank replaces the dot.
         if name.replace(".", " ") in [known.name.replace(".", " ") for known in self.signals[side]]:
             raise ModelError(f"{side.capitalize()} '{name}' is named twice. Give each {side} a name of its own.")
@@ -811,7 +816,9 @@ class Builder(Description):
         for loads in self.loads.values():
             self._check_gravity(loads.get("gravity", {}).get("all"))
         strangers = [
-            f"{of} {component}" for kind, of, component in self.starts if (kind, of, component) not in self.dofs
+            f"{owner} {component}"
+            for kind, owner, component in self.starts
+            if (kind, owner, component) not in self.dofs
         ]
         if self.dofs and strangers:
             raise ModelError(
@@ -830,7 +837,9 @@ class Builder(Description):
             warn_of_ends(described)
         model = assemble(described if check else with_started(described))
         blocks = zip(model.topology.blocks, model.parameters.properties, strict=True)
-        if not is_concrete((model.parameters.reference, [in_undeformed(block, own) for block, own in blocks])):
+        if not is_concrete(
+            (model.parameters.reference, [in_undeformed(block, properties) for block, properties in blocks])
+        ):
             if before is not None and (twin := as_in(described, before)) is not described:
                 return _finished(check_inputs(assemble(twin), twin))
             if not check:
@@ -857,7 +866,7 @@ class Builder(Description):
             return _finished(check_inputs(model, described))
         if not check:
             return _finished(model)
-        return check_inputs(_finished(complete(described, model, dofs, release)))
+        return check_inputs(_finished(complete_model(described, model, dofs, release)))
 
     # -- helpers ------------------------------------------------------------------------------------------------
 
@@ -871,15 +880,15 @@ class Builder(Description):
         if axis is None:
             raise ModelError(f"Rotation of node '{node}': in space it needs an axis, such as axis=(0, 0, 1).")
         if tilt is not None and not (isinstance(tilt, str) and tilt in ("fixed", "free")):
-            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {shown(tilt)}.")
+            raise ModelError(f"Rotation of node '{node}': tilt must be 'fixed' or 'free', not {short_repr(tilt)}.")
         node = part.removesuffix(".rotation")
         name, new = turn_of(node), turn_of(node) not in self.members
         properties = complete_properties(spatial.hinge, name, {"axis": axis})
         if new:
-            held = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]
-            if held:
+            present_roles = [r for r in (self._role(("node", part, i)) for i in range(1, 5)) if r is not Role.DEPENDENT]
+            if present_roles:
                 raise ModelError(
-                    f"The rotation of node '{node}' is {held[0].value} already and cannot be prescribed too."
+                    f"The rotation of node '{node}' is {present_roles[0].value} already and cannot be prescribed too."
                 )
             self._check_member(spatial.hinge, name, [ROTATION3.start] * 2, properties)
             self._new_turn(name, part, properties)
@@ -894,35 +903,35 @@ class Builder(Description):
             raise ModelError(f"Rotation of node '{node}': it is prescribed already, with another axis or tilt.")
         return "element", name, 1
 
-    def _values(self, what: str, name: str, values: tuple, named: dict[str, Any]) -> dict[Key, Any]:
+    def _values(self, kind: str, name: str, values: tuple, named: dict[str, Any]) -> dict[Key, Any]:
         """Numbers of an element's deformations by key, from values from the first on and by name."""
-        some_of(what.lower(), name, (*values, *named))
-        element, found = self._member(name).element, {}
+        at_least_one(kind.lower(), name, (*values, *named))
+        element, by_key = self._member(name).element, {}
         strains = deformations_of(element, *element.closure) or f"those from {len(element.closure) + 1} on"
-        for said, value in (*enumerate(values, 1), *named.items()):
-            check_numbers(f"{what} of element '{name}'", value, (), ModelError)
-            key = self._entry(name, said, "element")
-            if key in found:
-                raise ModelError(f"{what} of element '{name}': deformation {key[2]} ({said}) is given twice.")
-            idle = what == "Strain" or self._role(key) is Role.FIXED
+        for deformation, value in (*enumerate(values, 1), *named.items()):
+            check_numbers(f"{kind} of element '{name}'", value, (), ModelError)
+            key = self._entry(name, deformation, "element")
+            if key in by_key:
+                raise ModelError(f"{kind} of element '{name}': deformation {key[2]} ({deformation}) is given twice.")
+            idle = kind == "Strain" or self._role(key) is Role.FIXED
             # Traced numbers count as nonzero.
             if idle and key[2] in element.closure and not (is_concrete(value) and value == 0):
                 raise ModelError(
-                    f"{what} of element '{name}': deformation {element.called(key[2])} is part of its closure and has"
+                    f"{kind} of element '{name}': deformation {element.called(key[2])} is part of its closure and has"
                     f" no effect. Name a strain. Its strains are {strains}."
                 )
-            found[key] = copied(value)
-        return found
+            by_key[key] = copied(value)
+        return by_key
 
     @staticmethod
     def _numbers_of(what: str, given: Any, counts: tuple[int, ...], wanted: str) -> list:
         """One number or several as a list of allowed length."""
         check_numbers(what, given, fault=ModelError)
         alone = not isinstance(given, list | tuple) and np.ndim(given) == 0
-        found = [copied(given)] if alone else listed(what, given)
-        if len(found) not in counts:
-            raise ModelError(f"{what} must be {wanted}, not {shown(given)}.")
-        return found
+        numbers = [copied(given)] if alone else number_list(what, given)
+        if len(numbers) not in counts:
+            raise ModelError(f"{what} must be {wanted}, not {short_repr(given)}.")
+        return numbers
 
     def _check_gravity(self, acceleration: list | None) -> None:
         """Refuse gravity of another dimension than the nodes."""
@@ -934,10 +943,10 @@ class Builder(Description):
     def _add_hidden(self, kind: str, *nodes: str, **properties: Any) -> None:
         node = nodes[0]
         element = getattr(planar if self.dimension == 2 else spatial, kind)
-        own = complete_properties(element, f"{kind} of {node}", copied(properties))
+        completed = complete_properties(element, f"{kind} of {node}", copied(properties))
         for part in nodes:
             self._owner(("node", part, 1))
-        self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, own, [], hidden=True)
+        self.members[self._free_name(f"{kind} {node}")] = Member(element, nodes, completed, [], hidden=True)
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
         """One node for each positional parameter of an element; rotations and inner coordinates may not exist yet."""
@@ -949,7 +958,7 @@ class Builder(Description):
         )
         named_kinds = [k for k in kinds if k[1].part != "warping"] if len(nodes) != len(kinds) else kinds
         waiting = list(nodes) if len(nodes) == len(named_kinds) else None
-        found: list[str] = []
+        resolved: list[str] = []
         source, used = iter(nodes), set()
         current = None
         for parameter, kind in kinds:
@@ -957,7 +966,7 @@ class Builder(Description):
                 current = waiting.pop(0)
             elif waiting is not None:
                 # The warping of the rotation before it.
-                current = found[-1]
+                current = resolved[-1]
             elif current is None or self._part_kind(current, kind) is None or kind.part in used:
                 current, used = next(source, None), set()
                 if current is None:
@@ -977,18 +986,18 @@ class Builder(Description):
                     f"Element '{name}' ({element.name}) is {'planar' if kind.dimension == 2 else 'spatial'}, but node"
                     f" '{part}' is not."
                 )
-            found.append(part)
+            resolved.append(part)
         if waiting is None and next(source, None) is not None:
             raise wrong
-        for node in found:
-            if found.count(node) > 1:
+        for node in resolved:
+            if resolved.count(node) > 1:
                 raise ModelError(f"Element '{name}' ({element.name}) joins node '{node}' to itself. Give it two nodes.")
         # Inner coordinates of an element are one node, its last.
-        own = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
-        for node in own:
+        internal = [f"{name}.internal" for k in element.nodes.values() if k.part == "internal"]
+        for node in internal:
             if node in self.nodes:
                 raise ModelError(f"Node '{node}' is defined twice. Give each element its own name.")
-        return (*found, *own)
+        return (*resolved, *internal)
 
     def _check_member(self, element: Element, name: str, references: list, properties: dict) -> None:
         if element.check is None or not is_concrete((references, properties)):
@@ -1002,4 +1011,4 @@ class Builder(Description):
 
 
 def _finished(model: Model) -> Model:
-    return note(nan_if_impossible(model))
+    return collect_model(nan_if_impossible(model))

@@ -19,7 +19,7 @@ class MadeCall(NamedTuple):
     keywords: dict[str, Any]
 
 
-def recorded(method: F) -> F:
+def records_call(method: F) -> F:
     """Record each successful call of the method in ``calls`` of its Builder, unless another recorded call makes it."""
 
     @functools.wraps(method)
@@ -27,17 +27,19 @@ def recorded(method: F) -> F:
         if self._is_recording:
             return method(self, *positional, **keywords)
         # Iterators can be read only once.
-        positional = tuple(list(one) if isinstance(one, Iterator) else one for one in positional)
-        keywords = {name: list(one) if isinstance(one, Iterator) else one for name, one in keywords.items()}
+        positional = tuple(list(argument) if isinstance(argument, Iterator) else argument for argument in positional)
+        keywords = {
+            name: list(argument) if isinstance(argument, Iterator) else argument for name, argument in keywords.items()
+        }
         self._is_recording = True
         try:
-            made = method(self, *positional, **keywords)
+            result = method(self, *positional, **keywords)
         finally:
             self._is_recording = False
         # A default name depends on the present contents.
-        named = {"name": made} if method.__name__ == "add" else {}
-        self.calls.append(MadeCall(method.__name__, _kept(positional), {**_kept(keywords), **named}))
-        return made
+        named = {"name": result} if method.__name__ == "add" else {}
+        self.calls.append(MadeCall(method.__name__, _copy(positional), {**_copy(keywords), **named}))
+        return result
 
     return cast(F, call)
 
@@ -49,8 +51,8 @@ def replay(calls: Iterable[MadeCall], builder: Any) -> Any:
     return builder
 
 
-def _kept(value: Any) -> Any:
+def _copy(value: Any) -> Any:
     """A copy that the caller cannot change; records keep their identity, by which shared sections are recognised."""
     if type(value) in (list, tuple):
-        return type(value)(map(_kept, value))
-    return {key: _kept(one) for key, one in value.items()} if isinstance(value, Mapping) else copied(value)
+        return type(value)(map(_copy, value))
+    return {key: _copy(entry) for key, entry in value.items()} if isinstance(value, Mapping) else copied(value)

@@ -16,7 +16,7 @@ _REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar
 
 
 @contextlib.contextmanager
-def recorded() -> Iterator[list[Model]]:
+def collected_models() -> Iterator[list[Model]]:
     """Collect the models that are built, in order."""
     models: list[Model] = []
     token = _RECORD.set(models)
@@ -45,7 +45,7 @@ def note_builder(builder: Description) -> None:
 
 
 @contextlib.contextmanager
-def carried(models: list[Model]) -> Iterator[None]:
+def carried_choices(models: list[Model]) -> Iterator[None]:
     """Pass degrees of freedom and releases of models to traced builds in the same order."""
     token = _REPLAY.set(iter(models))
     try:
@@ -54,7 +54,7 @@ def carried(models: list[Model]) -> Iterator[None]:
         _REPLAY.reset(token)
 
 
-def note(model: Model) -> Model:
+def collect_model(model: Model) -> Model:
     """Collect a finished model if models are collected."""
     models = _RECORD.get()
     if models is not None:

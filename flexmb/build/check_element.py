@@ -14,8 +14,19 @@ from ..elements.element import Element
 from ..errors import ModelError
 from ..numerical_limits import ELEMENT_DIFFERENCE, ELEMENT_LAW, POTENTIAL_DIFFERENCE
 from .assemble import is_option
-from .properties import complete, element_type, number_of_deformations, with_options
-from .tried import KINKED, STEP, ElementState, abs_or_one, compiled, drawn, moved, rigidly, sizes, weights
+from .properties import complete_properties, element_type, number_of_deformations, with_options
+from .tried import (
+    KINKED,
+    STEP,
+    ElementState,
+    abs_or_one,
+    compiled_functions,
+    moved_nodes,
+    random_element,
+    rigid_motion,
+    sizes,
+    weights,
+)
 
 REFERENCES = 3
 # Distances of the states from their reference, over the distance of nodes, and in radians: in it, near it, away from
@@ -76,14 +87,14 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
     check_number("apart", apart, above=0)
     element = element_type(element)
     name = element.name
-    element, given = with_options(element, name, properties)
-    own = complete(element, name, given)
-    count = number_of_deformations(element, name, own)
-    tried = _Tried(element, own, count, apart)
-    found = dict(tried.laws())
-    if faults := [fault for _, fault in found.values() if fault]:
+    element, remaining = with_options(element, name, properties)
+    completed = complete_properties(element, name, remaining)
+    count = number_of_deformations(element, name, completed)
+    tried = _Tried(element, completed, count, apart)
+    laws = dict(tried.laws())
+    if faults := [fault for _, fault in laws.values() if fault]:
         raise ModelError("\n".join(f"Element type '{name}': {fault}." for fault in faults))
-    return ElementCheck(name, count, {law: value for law, (value, _) in found.items()})
+    return ElementCheck(name, count, {law: value for law, (value, _) in laws.items()})
 
 
 class _Tried:
@@ -96,13 +107,15 @@ class _Tried:
         self.numbers = jax.tree.map(lambda leaf: np.asarray(leaf, float), numbers)
         self.kinds = list(element.nodes.values())
         random = np.random.default_rng(0)
-        pairs = [(drawn(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
-        self.states = [ElementState(moved(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
+        pairs = [(random_element(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
+        self.states = [ElementState(moved_nodes(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
         self.references = [i for i, (_, away) in enumerate(pairs) if not away]
         for i in self.references:
             self._check_reference(self.states[i], properties)
         turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
-        rigid = [ElementState(rigidly(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)]
+        rigid = [
+            ElementState(rigid_motion(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)
+        ]
         self.turns = [turn for turn, _ in turns]
         points = [self._flat(state) for state in self.states]
         # Each number is scaled by its own size; coordinates, and numbers that are zero, by usual sizes.
@@ -113,7 +126,7 @@ class _Tried:
         along = np.concatenate([ways, np.zeros((len(rigid), ways.shape[1])), ways, ways])
         shapes = tuple(np.shape(leaf) for leaf in jax.tree.leaves(self._tree(self.states[0])))
         structure = jax.tree.structure(self._tree(self.states[0]))
-        run, self.shapes = compiled(element, count, options, structure, shapes)
+        run, self.shapes = compiled_functions(element, count, options, structure, shapes)
         answers = jax.tree.map(np.asarray, run(np.stack([*batch, *steps]), along))
         self.along = ways
         n = len(points)
@@ -130,8 +143,8 @@ class _Tried:
     def _check_reference(self, state: ElementState, properties: dict[str, Any]) -> None:
         check = self.element.check
         if check is not None:
-            own = self.element.arguments(check, properties) or {}
-            for fault in check(ref=self.element.reference(state.ref), **own):
+            arguments = self.element.arguments(check, properties) or {}
+            for fault in check(ref=self.element.reference(state.ref), **arguments):
                 raise ModelError(f"Element type '{self.element.name}' {fault}.")
 
     # -- the laws -------------------------------------------------------------------------------------------------
@@ -157,20 +170,20 @@ class _Tried:
             yield MASS, self._semidefinite()
             yield KINETIC, self._kinetic()
 
-    def _answer(self, found: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
+    def _answer(self, answers: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
         """Numbers of an answer in all states, (states, n)."""
-        return found[kind][:, self.shapes[name]]
+        return answers[kind][:, self.shapes[name]]
 
     def _where(self, state: int) -> str:
         return ("in the undeformed mechanism", "near the undeformed mechanism", "away from it")[state % len(AWAY)]
 
     def _not_finite(self) -> str:
-        for kind, what in (("value", "number"), ("forward", "first derivative"), ("second", "second derivative")):
+        for kind, noun in (("value", "number"), ("forward", "first derivative"), ("second", "second derivative")):
             slices = self.shapes if kind != "second" else {"functions": slice(None)}
             for i in range(len(self.states)):
-                for name, own in slices.items():
-                    if not np.all(np.isfinite(self.here[kind][i, own])):
-                        return f"a {what} of its {name} is not finite {self._where(i)}. Rewrite it so that it is finite"
+                for name, columns in slices.items():
+                    if not np.all(np.isfinite(self.here[kind][i, columns])):
+                        return f"a {noun} of its {name} is not finite {self._where(i)}. Rewrite it so that it is finite"
         if not np.all(np.isfinite(self.here["reverse"])):
             return (
                 "a derivative is not finite in reverse mode, although it is in forward mode: a square root of zero, or"
@@ -183,8 +196,8 @@ class _Tried:
         largest = np.max(np.abs(e), axis=0)
         if still := [str(i + 1) for i in np.flatnonzero(largest == 0)]:
             return np.inf, f"deformation {', '.join(still)} is zero for all coordinates"
-        found = np.abs(e[self.references]) / largest
-        value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
+        ratios = np.abs(e[self.references]) / largest
+        value, worst = float(ratios.max()), int(np.argmax(ratios.max(axis=0)))
         number = float(np.max(np.abs(e[self.references][:, worst])))
         fault = (
             f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, given as `ref`, but must be zero"
@@ -193,10 +206,10 @@ class _Tried:
         return value, fault if value > ELEMENT_LAW else ""
 
     def _rigid(self) -> tuple[float, str]:
-        e, there = (self._answer(found, "deformations") for found in (self.here, self.rigid))
-        found = np.abs(there - e) / (np.max(np.abs(e), axis=0) + TINY)
-        value, worst = float(found.max()), int(np.argmax(found.max(axis=0)))
-        number = float(np.max(np.abs(there - e)[:, worst]))
+        e, e_moved = (self._answer(values, "deformations") for values in (self.here, self.rigid))
+        values = np.abs(e_moved - e) / (np.max(np.abs(e), axis=0) + TINY)
+        value, worst = float(values.max()), int(np.argmax(values.max(axis=0)))
+        number = float(np.max(np.abs(e_moved - e)[:, worst]))
         fault = (
             f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole element, but must not"
             " change: measure vectors in axes that turn with the element, and rotations relative to each other"
@@ -206,43 +219,43 @@ class _Tried:
     def _scales(self) -> np.ndarray:
         """Largest size of the same answer and of its derivatives, for each number."""
         scales = np.zeros(self.here["value"].shape[1])
-        for own in self.shapes.values():
-            scales[own] = max(np.max(np.abs(self.here[k][:, own]), initial=0.0) for k in ("value", "forward"))
+        for columns in self.shapes.values():
+            scales[columns] = max(np.max(np.abs(self.here[k][:, columns]), initial=0.0) for k in ("value", "forward"))
         return np.where(scales > 0, scales, 1.0)
 
     def _first(self) -> tuple[float, str]:
         scales, forward = self._scales(), self.here["forward"]
         central = (self.plus["value"] - self.minus["value"]) / (2 * STEP)
-        found = np.abs(central - forward) / scales
+        errors = np.abs(central - forward) / scales
         own_weights = weights(forward.shape[1])
         for name in self.shapes.keys() & {*KINKED}:
-            found[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
+            errors[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
         reverse = np.sum(self.here["reverse"] * self.along, axis=1)
-        both = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
-        fault = self._named(found, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
-        if not fault and np.max(both) > ELEMENT_LAW:
+        mode_errors = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
+        fault = self._named(errors, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
+        if not fault and np.max(mode_errors) > ELEMENT_LAW:
             fault = "its derivatives in reverse mode are not those in forward mode"
-        return float(max(found.max(initial=0.0), both.max(initial=0.0))), fault
+        return float(max(errors.max(initial=0.0), mode_errors.max(initial=0.0))), fault
 
     def _second(self) -> tuple[float, str]:
         second = self.here["second"]
         central = (self.plus["reverse"] - self.minus["reverse"]) / (2 * STEP)
-        scale = max(np.max(np.abs(found * self.sizes)) for found in (second, self.here["reverse"])) or 1.0
-        found = np.abs(central - second) * self.sizes / scale
-        value = float(found.max())
-        where = self._where(int(np.argmax(found.max(axis=1))))
+        scale = max(np.max(np.abs(values * self.sizes)) for values in (second, self.here["reverse"])) or 1.0
+        values = np.abs(central - second) * self.sizes / scale
+        value = float(values.max())
+        where = self._where(int(np.argmax(values.max(axis=1))))
         fault = (
             f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
         )
         return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > ELEMENT_DIFFERENCE)
 
-    def _named(self, found: np.ndarray, most: float, text: str) -> str:
+    def _named(self, errors: np.ndarray, most: float, text: str) -> str:
         """Fault of the answer that deviates most; empty if none deviates too much."""
-        if not found.size or found.max() <= most:
+        if not errors.size or errors.max() <= most:
             return ""
-        state, column = np.unravel_index(int(np.argmax(found)), found.shape)
-        name, own = next((n, s) for n, s in self.shapes.items() if s.start <= column < s.stop)
-        about = f"deformation {column - own.start + 1}" if name == "deformations" else f"its {name}"
+        state, column = np.unravel_index(int(np.argmax(errors)), errors.shape)
+        name, columns = next((n, s) for n, s in self.shapes.items() if s.start <= column < s.stop)
+        about = f"deformation {column - columns.start + 1}" if name == "deformations" else f"its {name}"
         return text.format(about, self._where(int(state)))
 
     def _slope(self, kind: str) -> tuple[float, str]:
@@ -259,8 +272,11 @@ class _Tried:
         for name in named:
             matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
             scale = np.max(np.abs(matrices)) or 1.0
-            own = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
-            value, fault = max(value, own), fault or (f"its {name} is not symmetric" if own > ELEMENT_LAW else "")
+            asymmetry = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
+            value, fault = (
+                max(value, asymmetry),
+                fault or (f"its {name} is not symmetric" if asymmetry > ELEMENT_LAW else ""),
+            )
         return value, fault
 
     def _semidefinite(self) -> tuple[float, str]:
@@ -281,7 +297,9 @@ class _Tried:
             ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
             unmoved = np.eye(mass.shape[1])
             zero = np.zeros(3)
-            columns = [np.concatenate(rigidly(self.kinds, np.split(c, ends), turn, zero, rates=True)) for c in unmoved]
+            columns = [
+                np.concatenate(rigid_motion(self.kinds, np.split(c, ends), turn, zero, rates=True)) for c in unmoved
+            ]
             turned = np.stack(columns, axis=1)
             deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
             value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))

@@ -74,60 +74,60 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
     if not leaves:
         return builder
     twin, joined = builder.copy(), elements_at(builder)
-    kept: dict[tuple[str, int], bool] = {}
+    flat_ends: dict[tuple[str, int], bool] = {}
     nodes: dict[str, list[tuple[Any, tuple[bool, bool] | None, bool]]] = {}
     for name in leaves:
         member = twin.members[name]
-        given = member.properties["clamped"]
+        stated = member.properties["clamped"]
         flat, restrained = [], []
         untwisted = _is_untwisted(member)
         for end in ends_of_leaf(name, member):
             was = None
-            if given is not None:
-                found = Clamped(bool(given[end.number]), bool(given[end.number]))
+            if stated is not None:
+                clamped = Clamped(bool(stated[end.number]), bool(stated[end.number]))
             else:
                 was = as_before(before, end)
-                found = is_clamped(builder, end, joined, was)
-            flat.append(found.flat)
-            kept[name, end.number] = found.flat
-            restrained.append(found.restrained or untwisted)
-            if was is not None and found.traced is not None and member.element.fields:
-                _tell_of_others(was[0], [found.traced[0]])
-            for warping in parts_of(member, "warping")[end.number : end.number + 1]:
-                told = None if found.traced is None or untwisted else found.traced[1]
-                own = restrained[-1] if told is None else told
-                nodes.setdefault(warping, []).append((own, was, told is not None))
+                clamped = is_clamped(builder, end, joined, was)
+            flat.append(clamped.flat)
+            flat_ends[name, end.number] = clamped.flat
+            restrained.append(clamped.restrained or untwisted)
+            if was is not None and clamped.traced is not None and member.element.fields:
+                _note_other_clamps(was[0], [clamped.traced[0]])
+            for warping in nodes_of_kind(member, "warping")[end.number : end.number + 1]:
+                traced = None if clamped.traced is None or untwisted else clamped.traced[1]
+                own = restrained[-1] if traced is None else traced
+                nodes.setdefault(warping, []).append((own, was, traced is not None))
         own = {**member.properties, "clamped": np.array(flat, float)}
         twin.members[name] = dataclasses.replace(member, properties=own)
-        for warping, is_restrained in zip(parts_of(member, "warping"), restrained, strict=False):
-            _hold(twin, warping, name, joined[warping], is_restrained, given is not None and not untwisted)
+        for warping, is_restrained in zip(nodes_of_kind(member, "warping"), restrained, strict=False):
+            _hold(twin, warping, name, joined[warping], is_restrained, stated is not None and not untwisted)
     for warping, ends in nodes.items():
         was = next((was for _, was, _ in ends if was is not None), None)
         free = builder.nodes[warping].roles[0] not in HELD
         if free and was is not None and any(is_traced for *_, is_traced in ends):
-            _tell_of_others(was[1], [own for own, *_ in ends])
-    _reach_in_line(builder, twin, joined, kept)
+            _note_other_clamps(was[1], [own for own, *_ in ends])
+    _reach_in_line(builder, twin, joined, flat_ends)
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
             # No clamp keeps a warping beam flat. Its ``clamped`` marks ends whose warping is held, for any reason.
-            held = [twin.nodes[warping].roles[0] in HELD for warping in parts_of(member, "warping")]
+            constrained = [twin.nodes[warping].roles[0] in HELD for warping in nodes_of_kind(member, "warping")]
             twin.members[name] = dataclasses.replace(
-                member, properties={**member.properties, "clamped": np.array(held, float)}
+                member, properties={**member.properties, "clamped": np.array(constrained, float)}
             )
     return twin
 
 
 def elements_at(builder: Description) -> dict[str, list[str]]:
     """Return the names of the elements at each node, in order."""
-    found: dict[str, list[str]] = {}
+    by_node: dict[str, list[str]] = {}
     for name, member in builder.members.items():
         for node in dict.fromkeys(member.nodes):
-            found.setdefault(node, []).append(name)
-    return found
+            by_node.setdefault(node, []).append(name)
+    return by_node
 
 
-def parts_of(member: Member, part: str) -> list[str]:
+def nodes_of_kind(member: Member, part: str) -> list[str]:
     """Return the nodes of an element of a kind, in order."""
     kinds = member.element.nodes.values()
     return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
@@ -135,11 +135,11 @@ def parts_of(member: Member, part: str) -> list[str]:
 
 def ends_of_leaf(name: str, member: Member) -> list[End]:
     """Return the first end and the last of a leaf spring or warping beam."""
-    return [End(name, rotation, number) for number, rotation in enumerate(parts_of(member, "rotation"))]
+    return [End(name, rotation, number) for number, rotation in enumerate(nodes_of_kind(member, "rotation"))]
 
 
 def _reach_in_line(
-    builder: Description, twin: Description, joined: dict[str, list[str]], kept: dict[tuple[str, int], bool]
+    builder: Description, twin: Description, joined: dict[str, list[str]], flat_ends: dict[tuple[str, int], bool]
 ) -> None:
     """Store the distances from ends to clamps beyond leaf springs in line in the properties of ``twin``.
 
@@ -147,60 +147,62 @@ def _reach_in_line(
         twin: Copy of the builder, with ``clamped`` of its leaf springs.
         kept: Whether a clamp keeps an end flat, by element and number of the end.
     """
-    leaves = {name: member for name, member in builder.members.items() if (name, 0) in kept and member.element.fields}
+    leaves = {
+        name: member for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields
+    }
     ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in ends_of_leaf(name, member)}
-    found: dict[tuple[str, int], Any] = {}
+    distances: dict[tuple[str, int], Any] = {}
     for (name, number), end in ends.items():
         beyond, at, passed = 0.0, end, {name}
-        while not kept[at.leaf, at.number]:
+        while not flat_ends[at.leaf, at.number]:
             following = [leaf for leaf in joined[at.rotation] if leaf in leaves and leaf != at.leaf]
             if len(following) != 1 or following[0] in passed:
                 break
-            near = parts_of(leaves[following[0]], "rotation").index(at.rotation)
-            if is_fold(builder, at, ends[following[0], near]):
+            end_number = nodes_of_kind(leaves[following[0]], "rotation").index(at.rotation)
+            if is_fold(builder, at, ends[following[0], end_number]):
                 break
             passed.add(following[0])
             beyond = beyond + span_of(builder, leaves[following[0]])
-            at = ends[following[0], 1 - near]
+            at = ends[following[0], 1 - end_number]
         sides = _sides(builder, leaves[name], number) or []
         known = is_concrete((beyond, sides))
         too_far = known and bool(beyond >= REACH * max(np.asarray(side).max() for side in sides))
-        if at is not end and not too_far and kept[at.leaf, at.number]:
-            found[name, number] = beyond
-    for name in leaves if found else ():
-        own = twin.members[name]
-        flags = [1.0 if (name, i) in found else flag for i, flag in enumerate(own.properties["clamped"])]
-        beyond = [found.get((name, i), 0.0) for i in range(2)]
+        if at is not end and not too_far and flat_ends[at.leaf, at.number]:
+            distances[name, number] = beyond
+    for name in leaves if distances else ():
+        spring = twin.members[name]
+        flags = [1.0 if (name, i) in distances else flag for i, flag in enumerate(spring.properties["clamped"])]
+        beyond = [distances.get((name, i), 0.0) for i in range(2)]
         library: Any = np if is_concrete(beyond) else jnp
         clamped = library.stack([library.asarray(flags, float), library.stack(list(map(library.asarray, beyond)))])
-        twin.members[name] = dataclasses.replace(own, properties={**own.properties, "clamped": clamped})
+        twin.members[name] = dataclasses.replace(spring, properties={**spring.properties, "clamped": clamped})
 
 
 def is_fold(builder: Description, *ends: End) -> bool:
     """Return whether two leaf springs meet at an angle, along or across; False for traced numbers."""
-    axes = [axes_of(builder, builder.members[end.leaf], np, end.number) for end in ends]
-    return is_concrete(axes) and any(abs(one @ two) < np.cos(FOLD) for one, two in zip(*axes, strict=True))
+    axes = [leaf_axes(builder, builder.members[end.leaf], np, end.number) for end in ends]
+    return is_concrete(axes) and any(abs(first @ second) < np.cos(FOLD) for first, second in zip(*axes, strict=True))
 
 
 def span_of(builder: Description, member: Member) -> Any:
     """Return the length of an element [m]."""
-    p, q = (builder.nodes[node].start for node in parts_of(member, "position")[:2])
+    p, q = (builder.nodes[node].start for node in nodes_of_kind(member, "position")[:2])
     curvature = member.properties.get("curvature")
     library: Any = np if is_concrete((p, q)) else jnp
     chord = library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
-    with kept_known((chord, curvature)):
+    with known_numbers((chord, curvature)):
         return chord if curvature is None else curve_length(chord, curvature)
 
 
-def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, given: bool) -> None:
+def _hold(builder: Description, warping: str, leaf: str, joined: list[str], restrained: bool, stated: bool) -> None:
     """Fix the warping of a node, or raise an error if another element there has an opposite ``clamped``."""
     node = builder.nodes[warping]
     for other in joined:
         if other == leaf:
             continue
-        said = builder.members[other].properties.get("clamped")
-        place = parts_of(builder.members[other], "warping").index(warping)
-        if given and said is not None and bool(said[place]) is not restrained:
+        flags = builder.members[other].properties.get("clamped")
+        place = nodes_of_kind(builder.members[other], "warping").index(warping)
+        if stated and flags is not None and bool(flags[place]) is not restrained:
             raise ModelError(
                 f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but only one of them is clamped"
                 " there. Give both the same `clamped` (in a file: CLAMP)."
@@ -217,14 +219,14 @@ def as_before(before: Model | None, end: End) -> tuple[bool, bool] | None:
     x_roles, _ = before.roles()
     warping = {entry.of: role in HELD for entry, role in zip(labels.x, x_roles, strict=True) if entry.kind == "warping"}
     nodes = next((nodes for name, _, nodes in labels.elements if name == end.leaf), ())
-    held = [warping[node] for node in nodes if node in warping]
+    constrained = [warping[node] for node in nodes if node in warping]
     for block, properties in zip(before.topology.blocks, before.parameters.properties, strict=True):
         if "clamped" in properties and block.e.shape[1]:
-            of = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
-            if end.leaf in of:
-                clamped, beyond = flags_and_distances(np.asarray(properties["clamped"])[of.index(end.leaf)])
+            names = [labels.e[i].of for i in np.asarray(block.e)[:, 0].tolist()]
+            if end.leaf in names:
+                clamped, beyond = flags_and_distances(np.asarray(properties["clamped"])[names.index(end.leaf)])
                 flat = bool(clamped[end.number] == 1 and beyond[end.number] == 0)
-                return flat, bool(held) and held[end.number]
+                return flat, bool(constrained) and constrained[end.number]
     return None
 
 
@@ -244,7 +246,7 @@ def is_clamped(
         if flat and restrained:
             break
         try:
-            found = _by(builder, end, name, other)
+            effect = _by(builder, end, name, other)
         except _Unknown as reason:
             if before is not None:
                 traced.append(other)
@@ -254,7 +256,7 @@ def is_clamped(
                 f" found, since {reason}. State it by clamped=(first end, last end), each True or False, or in a file"
                 " by CLAMP."
             ) from None
-        flat, restrained = flat or found[0], restrained or found[1]
+        flat, restrained = flat or effect[0], restrained or effect[1]
     if not traced or (flat and restrained):
         return Clamped(flat, restrained)
     return Clamped(*before or (False, False), _traced(builder, end, traced, (flat, restrained)))
@@ -264,7 +266,7 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
     """Whether an end is flat and restrained, with traced neighbours; None for a section without sizes."""
     leaf, (flat, restrained) = builder.members[end.leaf], known
     for other in others:
-        number = parts_of(other, "rotation").index(end.rotation)
+        number = nodes_of_kind(other, "rotation").index(end.rotation)
         thin, thick = _sides(builder, leaf, end.number), _sides(builder, other, number)
         if thin is None or thick is None:
             return None
@@ -272,7 +274,7 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
         warps = False if other.element.fields and leaf.element.fields else clamps
         if "clamped" in other.properties:
             (along, across), (along_other, across_other) = (
-                axes_of(builder, of, jnp, at) for of, at in ((leaf, end.number), (other, number))
+                leaf_axes(builder, member, jnp, at) for member, at in ((leaf, end.number), (other, number))
             )
             angled = jnp.abs(across @ across_other) < np.cos(FOLD)
             clamps, warps = clamps | angled, warps | angled
@@ -281,9 +283,9 @@ def _traced(builder: Description, end: End, others: list[Member], known: tuple[b
     return flat, restrained
 
 
-def _tell_of_others(was: bool, found: list[Any]) -> None:
+def _note_other_clamps(was: bool, flags: list[Any]) -> None:
     """Add the code ``other_clamps`` if traced numbers change whether an end is clamped."""
-    clamped: Any = functools.reduce(operator.or_, found)
+    clamped: Any = functools.reduce(operator.or_, flags)
     collect(jnp.where(clamped == was, RESULTS.successful, RESULTS.other_clamps))
 
 
@@ -295,15 +297,15 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     roles = _own_roles(other)
     flexible = section is not None and any(role not in HELD for role in roles)
     if not flexible:
-        held = any(role in HELD for role in roles)
-        return held, held
-    number = parts_of(other, "rotation").index(end.rotation)
+        constrained = any(role in HELD for role in roles)
+        return constrained, constrained
+    number = nodes_of_kind(other, "rotation").index(end.rotation)
     leaf = builder.members[end.leaf]
     thick = _is_thick(builder, leaf, end.number, other, number)
     # Leaf springs in line share their warping, at any ratio of thicknesses.
     if "clamped" not in other.properties or (thick and not (element.fields and leaf.element.fields)):
         return thick, thick
-    axes = [axes_of(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
+    axes = [leaf_axes(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
     if not is_concrete(axes):
         if thick:
             return True, False
@@ -325,7 +327,7 @@ def _own_roles(member: Member) -> list[Role]:
 
 def _is_untwisted(member: Member) -> bool:
     """Whether an element with warping coordinates has FIXED twist, and thus no warping."""
-    if not parts_of(member, "warping"):
+    if not nodes_of_kind(member, "warping"):
         return False
     fields = member.element.fields
     twist = fields[FIELDS.index("GIt")] if fields else (TWIST,)
@@ -334,7 +336,7 @@ def _is_untwisted(member: Member) -> bool:
 
 def _is_thick(builder: Description, leaf: Member, end: int, other: Member, number: int) -> bool:
     """Whether an end of another element is thick enough to clamp an end of a leaf spring."""
-    if _alike(leaf.properties["section"], other.properties["section"]):
+    if _equally_thick(leaf.properties["section"], other.properties["section"]):
         return False
     thin, thick = _sides(builder, leaf, end), _sides(builder, other, number)
     if thin is None or thick is None:
@@ -344,21 +346,21 @@ def _is_thick(builder: Description, leaf: Member, end: int, other: Member, numbe
     return bool(min(map(np.asarray, thick)) >= THICK * min(map(np.asarray, thin)))
 
 
-def _alike(one: Section, other: Section) -> bool:
+def _equally_thick(first: Section, other: Section) -> bool:
     """Whether two sections are the same object, or rigidities of equal numbers, and thus equally thick."""
-    if one is other:
-        return not one.varies
-    if not (isinstance(one, Rigidity) and isinstance(other, Rigidity) and is_concrete((one, other))):
+    if first is other:
+        return not first.varies
+    if not (isinstance(first, Rigidity) and isinstance(other, Rigidity) and is_concrete((first, other))):
         return False
-    own, others = (list(map(float, jax.tree.leaves(section))) for section in (one, other))
-    return own == others
+    values, others = (list(map(float, jax.tree.leaves(section))) for section in (first, other))
+    return values == others
 
 
 def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
     """Sides of a section at an end of an element; None for a section without sides."""
-    given: Section = member.properties["section"]
-    with kept_known(given):
-        section = given.at(float(end), _length(builder, member))
+    beam_section: Section = member.properties["section"]
+    with known_numbers(beam_section):
+        section = beam_section.at(float(end), _length(builder, member))
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
     return sides or None
@@ -369,24 +371,24 @@ def _length(builder: Description, member: Member) -> Any:
     return float(length) if is_concrete(length) else 1.0
 
 
-def kept_known(numbers: Any) -> contextlib.AbstractContextManager[Any]:
+def known_numbers(numbers: Any) -> contextlib.AbstractContextManager[Any]:
     """Return a context in which known numbers stay known while other numbers are traced."""
     return jax.ensure_compile_time_eval() if is_concrete(numbers) else contextlib.nullcontext()
 
 
-def axes_of(builder: Description, member: Member, library: Any = np, end: int | None = None) -> Any:
+def leaf_axes(builder: Description, member: Member, library: Any = np, end: int | None = None) -> Any:
     """Return unit vectors along a leaf spring and along its width; with NumPy, traced inputs p, q and y as they are.
 
     Args:
         end: The first end (0) or the last (1). Default: the line between both ends.
     """
-    p, q = (builder.nodes[node].start for node in parts_of(member, "position"))
+    p, q = (builder.nodes[node].start for node in nodes_of_kind(member, "position"))
     y, curvature = member.properties.get("y"), member.properties.get("curvature")
     if library is np and not is_concrete((p, q, y, curvature)):
         return p, q, y
     if end is not None and curvature is not None:
         y = None if y is None else jnp.asarray(y, float)
-        with kept_known((p, q, y, curvature)):
+        with known_numbers((p, q, y, curvature)):
             axes = axes_of_end(curvature, jnp.asarray(q, float) - jnp.asarray(p, float), y, end)
         return tuple(library.asarray(axis) for axis in axes)
     p, q = library.asarray(p, float), library.asarray(q, float)

@@ -12,7 +12,7 @@ from ..elements.curves import curvature_at
 from ..elements.leaf import curving, leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
-from .clamps import FOLD, axes_of, elements_at, parts_of, span_of
+from .clamps import FOLD, elements_at, leaf_axes, nodes_of_kind, span_of
 from .description import Description, Member
 from .ends_in_line import LONGEST_STROKE, prescribed_stroke
 
@@ -48,10 +48,10 @@ def warn_of_curved_leaves(builder: Description) -> None:
             alone = all(other == name or other not in leaves for node in leaf.nodes for other in joined[node])
             _warn_of_stocky(builder, name, leaf, alone)
         for node, names in joined.items():
-            for one, other in itertools.combinations([name for name in names if name in leaves], 2):
-                if _stand_for_a_curve(builder, node, leaves[one], leaves[other]):
+            for first, other in itertools.combinations([name for name in names if name in leaves], 2):
+                if _stand_for_a_curve(builder, node, leaves[first], leaves[other]):
                     warn(
-                        f"Elements '{one}' and '{other}' meet at a small angle, as straight pieces of a curved leaf"
+                        f"Elements '{first}' and '{other}' meet at a small angle, as straight pieces of a curved leaf"
                         " spring do. A curved leaf spring is stiffer than straight pieces, and less stiff than folds."
                         " Make it one leaf spring with `curvature`.",
                         BeamTheoryWarning,
@@ -149,18 +149,18 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) 
         )
 
 
-def _stand_for_a_curve(builder: Description, node: str, one: Member, other: Member) -> bool:
+def _stand_for_a_curve(builder: Description, node: str, first: Member, other: Member) -> bool:
     """Whether two leaf springs approximate a curved leaf spring with a different stiffness."""
-    if node not in parts_of(one, "rotation"):
+    if node not in nodes_of_kind(first, "rotation"):
         return False
-    ends = [parts_of(leaf, "rotation").index(node) for leaf in (one, other)]
+    ends = [nodes_of_kind(leaf, "rotation").index(node) for leaf in (first, other)]
     (along, across), (along_other, across_other) = (
-        axes_of(builder, leaf, np, end) for leaf, end in zip((one, other), ends, strict=True)
+        leaf_axes(builder, leaf, np, end) for leaf, end in zip((first, other), ends, strict=True)
     )
     if abs(across @ across_other) < np.cos(FOLD):
         return False
     angle = float(np.arccos(min(abs(along @ along_other), 1.0)))
-    section, length = _rectangle(one), (float(span_of(builder, one)) + float(span_of(builder, other))) / 2
+    section, length = _rectangle(first), (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
     if angle == 0 or angle >= STEEPEST or (angle >= FOLD and length > section.width):
         return False
     nu = float(section.material.poisson())

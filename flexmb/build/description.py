@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, Self
 
 import numpy as np
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, is_concrete, short_repr
 from ..elements import spatial
 from ..elements.element import Element
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
@@ -18,8 +18,8 @@ from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
 from ..numerical_limits import UNIT_NORM_OF_ROTATION
-from .calls import MadeCall, recorded
-from .given import check_closure, number_in, number_in_element, numbers_freed, some_of
+from .calls import MadeCall, records_call
+from .given import at_least_one, check_closure, number_in, number_in_element, numbers_freed
 
 AXES = ("x", "y", "z")
 
@@ -85,7 +85,7 @@ class Description:
         self._clamped: set[str] = set()
         self._is_recording = False
 
-    @recorded
+    @records_call
     def release(self, element: str, *deformations: int | str, kind: str | None = None) -> None:
         """Let deformations of an element change (DEPENDENT), or FIXED coordinates of a node.
 
@@ -99,23 +99,25 @@ class Description:
             ModelError: No such deformation or coordinate; one that is PRESCRIBED or a degree of freedom; one of the
                 closure of a spectral beam by its number.
         """
-        given, name = some_of("release", element, deformations), str(element)
+        entries, name = at_least_one("release", element, deformations), str(element)
         self._check_kind(kind)
         if kind == "node" or (kind is None and name in self.nodes and name not in self.members):
-            for key in [self._entry(name, component, "node") for component in given]:
+            for key in [self._entry(name, component, "node") for component in entries]:
                 self._release_support(key)
             return
         member = self._member(name)
-        numbers = [n for one in given for n in numbers_freed(name, member.element, len(member.roles), one)]
+        numbers = [
+            n for deformation in entries for n in numbers_freed(name, member.element, len(member.roles), deformation)
+        ]
         self._set_roles([("element", name, n) for n in numbers], Role.DEPENDENT)
 
     def _release_support(self, key: Key) -> None:
         """Let a coordinate change, or the angle of a rotation in space while its other angles stay FIXED."""
         if key[0] == "element":
             part = self._rotation_name(turned_by(key[1])[0])
-            whole = [("node", part, i) for i in range(1, ROTATION3.size + 1)]
-            if all(self._role(one) is Role.FIXED for one in whole):
-                self._set_roles(whole, Role.DEPENDENT)
+            euler_keys = [("node", part, i) for i in range(1, ROTATION3.size + 1)]
+            if all(self._role(entry) is Role.FIXED for entry in euler_keys):
+                self._set_roles(euler_keys, Role.DEPENDENT)
                 self._set_roles([turn for i in range(3) if (turn := turn_about(self, part, i)) != key], Role.FIXED)
             self._set_roles([key], Role.DEPENDENT)
             self._measure_third(part)
@@ -127,7 +129,7 @@ class Description:
         if len(free) == 1:
             self._owner(free[0])
 
-    @recorded
+    @records_call
     def dof(self, of: str, *components: str | int, kind: str | None = None) -> None:
         """Name degrees of freedom: coordinates of a node or deformations of an element, in the order of q.
 
@@ -140,7 +142,7 @@ class Description:
             kind: "node" or "element", if both have the name.
         """
         keys: list[Key] = []
-        for component in some_of("dof", of, components):
+        for component in at_least_one("dof", of, components):
             key = self._entry_to_free(of, component, kind)
             if key in keys or self._role(key) is Role.DOF:
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")
@@ -160,27 +162,27 @@ class Description:
         if not isinstance(labels, list | tuple) or any(not isinstance(label, str) for label in labels):
             raise ModelError(
                 "Argument `dofs` must be 'auto', 'named' or a list of names as model.q_labels gives them, such as"
-                f" ['top.x', 'hinge.e2'], not {shown(labels)}."
+                f" ['top.x', 'hinge.e2'], not {short_repr(labels)}."
             )
         twin, keys = self.copy(), dict[Key, None]()
         twin.calls = [call for call in self.calls if call.method != "dof"]
         for label in labels:
-            of, point, symbol = label.rpartition(".")
+            owner, point, symbol = label.rpartition(".")
             if not point:
-                raise ModelError(f"Argument `dofs`: {shown(label)} is no degree of freedom. Name it as 'top.x'.")
-            if of.startswith(TURN_OF) and of not in twin.members and turned_by(of)[1]:
+                raise ModelError(f"Argument `dofs`: {short_repr(label)} is no degree of freedom. Name it as 'top.x'.")
+            if owner.startswith(TURN_OF) and owner not in twin.members and turned_by(owner)[1]:
                 # This name makes the hinge about a global axis.
-                of, symbol = turned_by(of)
+                owner, symbol = turned_by(owner)
             is_element = symbol[:1] == "e" and number_in(symbol[1:]) is not None
-            is_element |= of in twin.members and symbol in twin.members[of].element.deformation_names.values()
+            is_element |= owner in twin.members and symbol in twin.members[owner].element.deformation_names.values()
             kind = "element" if is_element else "node"
-            key = twin._entry_to_free(of, symbol, kind)
+            key = twin._entry_to_free(owner, symbol, kind)
             if key in keys:
-                raise ModelError(f"Argument `dofs` has {shown(label)} twice.")
+                raise ModelError(f"Argument `dofs` has {short_repr(label)} twice.")
             keys[key] = None
-            twin.calls.append(MadeCall("dof", (of, symbol), {"kind": kind}))
+            twin.calls.append(MadeCall("dof", (owner, symbol), {"kind": kind}))
         if left_out := [
-            f"'{of} {component}'" for kind, of, component in self.dofs if (kind, of, component) not in keys
+            f"'{owner} {component}'" for kind, owner, component in self.dofs if (kind, owner, component) not in keys
         ]:
             raise ModelError(f"Argument `dofs` leaves out {', '.join(left_out)}, which dof() names.")
         twin.dofs = list(keys)
@@ -227,7 +229,7 @@ class Description:
         norm = np.linalg.norm(np.asarray(start, float)) if kind is ROTATION3 and is_concrete(start) else 1.0
         if abs(norm - 1) > UNIT_NORM_OF_ROTATION:
             raise ModelError(
-                f"Euler parameters of node '{name}' must have norm 1, but {shown(tuple(start))} have {norm:.6g}."
+                f"Euler parameters of node '{name}' must have norm 1, but {short_repr(tuple(start))} have {norm:.6g}."
             )
         self.dimension = kind.dimension
         role = Role.FIXED if name in self._clamped else Role.DEPENDENT
@@ -241,9 +243,9 @@ class Description:
         return f"{before} {number}"
 
     def _unknown_node(self, name: str, where: str) -> Any:
-        near = difflib.get_close_matches(name, self.nodes, 1)
-        hint = f" Did you mean '{near[0]}'?" if near else " Add it with node() first."
-        raise ModelError(f"No node {shown(name)} ({where}).{hint}")
+        similar = difflib.get_close_matches(name, self.nodes, 1)
+        hint = f" Did you mean '{similar[0]}'?" if similar else " Add it with node() first."
+        raise ModelError(f"No node {short_repr(name)} ({where}).{hint}")
 
     def _position(self, node: str) -> str:
         """Name of a node, checked to have a position."""
@@ -286,27 +288,27 @@ class Description:
             parts = {".rotation": ("rotation", "warping"), ".warping": ("warping",)}
             allowed = next((parts[end] for end in parts if node.endswith(end)), ())
             return node if kind.part in allowed else None
-        own = self.nodes[node].kind.part
-        stands_for = {"position": ("rotation", "warping"), "rotation": ("warping",)}.get(own, ())
-        return node if kind.part in (own, *stands_for) else None
+        part = self.nodes[node].kind.part
+        stands_for = {"position": ("rotation", "warping"), "rotation": ("warping",)}.get(part, ())
+        return node if kind.part in (part, *stands_for) else None
 
     def _member(self, name: str) -> Member:
         name = str(name)
         if name not in self.members or self.members[name].hidden:
-            near = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
-            raise ModelError(f"No element {shown(name)}." + (f" Did you mean '{near[0]}'?" if near else ""))
+            similar = difflib.get_close_matches(name, [n for n, m in self.members.items() if not m.hidden], 1)
+            raise ModelError(f"No element {short_repr(name)}." + (f" Did you mean '{similar[0]}'?" if similar else ""))
         return self.members[name]
 
     def _owner(self, key: Key) -> Node | Member:
         """Node or element of a coordinate or deformation; makes a missing rotation or its hinge."""
-        kind, of, _ = key
-        if kind == "node" and of not in self.nodes:
-            self._new_node(of, (own := self._kind_of(of)), list(own.start))
-        if kind == "element" and of not in self.members:
-            node, _, axis = of.removeprefix(TURN_OF).rpartition(".")
+        kind, owner, _ = key
+        if kind == "node" and owner not in self.nodes:
+            self._new_node(owner, (node_kind := self._kind_of(owner)), list(node_kind.start))
+        if kind == "element" and owner not in self.members:
+            node, _, axis = owner.removeprefix(TURN_OF).rpartition(".")
             properties = {"axis": np.eye(3)[TURNS.index(axis)], "stiffness": None, "damping": None}
-            self._new_turn(of, self._rotation_name(node), properties)
-        return (self.members if kind == "element" else self.nodes)[of]
+            self._new_turn(owner, self._rotation_name(node), properties)
+        return (self.members if kind == "element" else self.nodes)[owner]
 
     def _coordinate(self, node: str, component: str | int) -> tuple[str, int]:
         """Node, or rotation that may not exist yet, and number of a coordinate given by letter or number."""
@@ -316,42 +318,42 @@ class Description:
             part = (
                 self._rotation_name(node)
                 if node.endswith(".rotation")
-                else self._unknown_node(node, f"coordinate {shown(component)}")
+                else self._unknown_node(node, f"coordinate {short_repr(component)}")
             )
         elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
             part = self._rotation_name(node)
         kind = self._kind_of(part)
         if letter:
             if component not in kind.components:
-                own = self._kind_of(node)
-                turns = self._kind_of(self._rotation_name(node)).components if own.part == "position" else ()
-                names = ", ".join((*own.components, *turns))
+                node_kind = self._kind_of(node)
+                turns = self._kind_of(self._rotation_name(node)).components if node_kind.part == "position" else ()
+                names = ", ".join((*node_kind.components, *turns))
                 more = " Name several nodes one after the other." if component in self.nodes else ""
-                raise ModelError(f"Node '{node}' has no coordinate {shown(component)}. It has: {names}.{more}")
+                raise ModelError(f"Node '{node}' has no coordinate {short_repr(component)}. It has: {names}.{more}")
             return part, kind.components.index(str(component)) + 1
         if number is None or not 1 <= number <= kind.size:
-            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {shown(component)}.")
+            raise ModelError(f"Node '{part}' has coordinates 1 to {kind.size}, not {short_repr(component)}.")
         return part, number
 
     def _check_kind(self, kind: Any) -> None:
         if kind is not None and not (isinstance(kind, str) and kind in ("node", "element")):
-            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {shown(kind)}.")
+            raise ModelError(f"Argument `kind` must be 'node' or 'element', not {short_repr(kind)}.")
 
-    def _entry(self, of: str, component: str | int, kind: str | None) -> Key:
+    def _entry(self, owner: str, component: str | int, kind: str | None) -> Key:
         """Key of a coordinate or a deformation: kind and name of its owner, and its number."""
         self._check_kind(kind)
-        of = str(of)
-        is_element = of in self.members and not self.members[of].hidden
-        if kind is None and is_element and of in self.nodes:
+        owner = str(owner)
+        is_element = owner in self.members and not self.members[owner].hidden
+        if kind is None and is_element and owner in self.nodes:
             raise ModelError(
-                f'\'{of}\' is the name of a node and of an element: choose by kind="node" or kind="element".'
+                f'\'{owner}\' is the name of a node and of an element: choose by kind="node" or kind="element".'
             )
         if kind == "element" or (kind is None and is_element):
-            member = self._member(of)
-            return "element", of, number_in_element(of, member.element, len(member.roles), component)
+            member = self._member(owner)
+            return "element", owner, number_in_element(owner, member.element, len(member.roles), component)
         if self.dimension == 3 and isinstance(component, str) and component in TURNS:
-            return turn_about(self, self._rotation_name(of), TURNS.index(component))
-        return "node", *self._coordinate(of, component)
+            return turn_about(self, self._rotation_name(owner), TURNS.index(component))
+        return "node", *self._coordinate(owner, component)
 
     def _new_turn(self, name: str, rotation: str, properties: dict[str, Any]) -> None:
         """Add a hinge that measures a rotation in space, from a frame that is FIXED."""
@@ -364,21 +366,21 @@ class Description:
         self._owner(("node", rotation, 1))
         self.members[name] = Member(spatial.hinge, (frame, rotation), properties, [Role.DEPENDENT] * 3)
 
-    def _entry_to_free(self, of: str, component: str | int, kind: str | None) -> Key:
+    def _entry_to_free(self, owner: str, component: str | int, kind: str | None) -> Key:
         """As :meth:`_entry`, for a new role: a FIXED closure must be given by its name."""
-        key = self._entry(of, component, kind)
+        key = self._entry(owner, component, kind)
         if key[0] == "element" and key[1] in self.members and self._role(key) is Role.FIXED:
             check_closure(key[1], self.members[key[1]].element, key[2], component)
         return key
 
     def _role(self, key: Key) -> Role:
         """Role of a coordinate or deformation, also of a rotation that does not exist yet."""
-        kind, of, number = key
-        if kind == "node" and of not in self.nodes:
-            return Role.FIXED if of in self._clamped else Role.DEPENDENT
-        if kind == "element" and of not in self.members:
+        kind, owner, number = key
+        if kind == "node" and owner not in self.nodes:
+            return Role.FIXED if owner in self._clamped else Role.DEPENDENT
+        if kind == "element" and owner not in self.members:
             # The same as the rotation, if that is held as a whole or driven.
-            rotation = self._rotation_name(of.removeprefix(TURN_OF).rpartition(".")[0])
+            rotation = self._rotation_name(owner.removeprefix(TURN_OF).rpartition(".")[0])
             roles = {self._role(("node", rotation, i)) for i in range(1, 5)} - {Role.DEPENDENT}
             return next(iter(roles)) if len(roles) == 1 else Role.DEPENDENT
         return self._owner(key).roles[number - 1]
@@ -386,14 +388,14 @@ class Description:
     def _set_roles(self, keys: list[Key], role: Role) -> None:
         """Set the role of all coordinates or deformations, or of none if one has another role."""
         for key in keys:
-            kind, of, number = key
-            turn = kind == "element" and number == 1 and of.startswith(TURN_OF)
+            kind, owner, number = key
+            turn = kind == "element" and number == 1 and owner.startswith(TURN_OF)
             only = role is not Role.DEPENDENT and (kind == "node" or turn)
             present, free = self._role(key), (Role.DEPENDENT,) if only else (Role.FIXED, Role.DEPENDENT)
             if present is not role and present not in free:
-                what = f"{'Coordinate' if kind == 'node' else 'Deformation'} {number} of '{of}'"
-                what = f"The rotation '{of.removeprefix(TURN_OF)}'" if turn else what
-                raise ModelError(f"{what} is {present.value} already and cannot be {role.value} too.")
+                subject = f"{'Coordinate' if kind == 'node' else 'Deformation'} {number} of '{owner}'"
+                subject = f"The rotation '{owner.removeprefix(TURN_OF)}'" if turn else subject
+                raise ModelError(f"{subject} is {present.value} already and cannot be {role.value} too.")
         for key in keys:
             if self._role(key) is not role:
                 self._owner(key).roles[key[2] - 1] = role

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..checks.mobility import Constraints, constraints, mobility_of, motions_of
+from ..checks.mobility import Constraints, allowed_motions, constraints, mobility_of
 from ..errors import MechanismError, ModelError, warn
 from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import TURN_OF, TURNS, turn_of
@@ -23,7 +23,7 @@ from .description import Description
 MOST_TOLD = 100
 
 
-def complete(builder: Description, model: Model, dofs: str, release: str) -> Model:
+def complete_model(builder: Description, model: Model, dofs: str, release: str) -> Model:
     """Check a model, find degrees of freedom if none are named, release over-constraints on request.
 
     Raises MechanismError: see Builder.build.
@@ -31,24 +31,24 @@ def complete(builder: Description, model: Model, dofs: str, release: str) -> Mod
     if release == "auto":
         model, builder = _release_all(builder, model)
     # Constraints depend on numbers, not on roles: the completed model has the same ones.
-    found = constraints(model)
-    motions, over = motions_of(model, found)
+    constraint_set = constraints(model)
+    motions, over = allowed_motions(model, constraint_set)
     if over:
-        told = mobility_of(model, found).report()
-        raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{told}")
+        report = mobility_of(model, constraint_set).report()
+        raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{report}")
     if model.topology.n_q == 0 and dofs == "auto":
         builder = with_started(builder).copy()
         started = with_roles(model, builder)
-        x, e = choose(started, motions, named_rows(started, motions, found), found)
+        x, e = choose(started, motions, named_rows(started, motions, constraint_set), constraint_set)
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
                 builder.dof(entries[i].of, entries[i].component, kind=kind)
         names = (*(str(model.labels.x[i]) for i in x), *(str(model.labels.e[i]) for i in e))
         model = with_roles(model, builder)
-        _check_named(model, motions, found)
+        _check_named(model, motions, constraint_set)
         return dataclasses.replace(model, labels=dataclasses.replace(model.labels, found=names))
     model = _with_coefficients(builder, model, motions)
-    _check_named(model, motions, found)
+    _check_named(model, motions, constraint_set)
     return model
 
 
@@ -76,34 +76,34 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
         x_roles, e_roles = model.roles()
     else:
         owners = builder.nodes, builder.members
-        x_roles, e_roles = ([role for one in several.values() for role in one.roles] for several in owners)
+        x_roles, e_roles = ([role for entry in several.values() for role in entry.roles] for several in owners)
     for side, signals in (("Input", labels.inputs), ("Output", labels.outputs)):
-        for s, part in [(one, part) for one in signals for part in one.terms]:
-            what = "deformation" if part.of_element else "coordinate" if part.axis is None else "rotation"
+        for s, part in [(entry, part) for entry in signals for part in entry.terms]:
+            kind = "deformation" if part.of_element else "coordinate" if part.axis is None else "rotation"
             count = 1 if part.axis is None else 4
             roles = (e_roles if part.of_element else x_roles)[part.index : part.index + count]
-            held = all(role in HELD for role in roles)
-            of = "" if part.of_element else labels.x[part.index].of
-            if part.quantity == "moment" and not (held or part.local):
+            constrained = all(role in HELD for role in roles)
+            owner = "" if part.of_element else labels.x[part.index].of
+            if part.quantity == "moment" and not (constrained or part.local):
                 # Hinges that turn or hold the rotation about this axis.
-                own = [e_roles[i] for i in labels.holding(f"{of}.{TURNS[part.axis or 0]}")]
+                own = [e_roles[i] for i in labels.holding(f"{owner}.{TURNS[part.axis or 0]}")]
                 roles = [role for role in own if role in HELD] or roles
-                held = roles[0] in HELD
+                constrained = roles[0] in HELD
             moves = part.quantity in MOTIONS
             called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
-            if side == "Input" and held and not moves:
+            if side == "Input" and constrained and not moves:
                 raise ModelError(
-                    f"Input {called} acts on a {what} that is {roles[0].value}, so it has no effect. Let it act on a"
+                    f"Input {called} acts on a {kind} that is {roles[0].value}, so it has no effect. Let it act on a"
                     " coordinate that can move, make it a displacement, velocity or acceleration, or leave it out."
                 )
-            if not held and (part.quantity == "reaction" or (side == "Input" and moves)):
+            if not constrained and (part.quantity == "reaction" or (side == "Input" and moves)):
                 role = next(role for role in roles if role not in HELD).value
-                turn = "" if part.axis is None else turn_of(of)
-                told = any(turn == element for element, *_ in labels.elements)
-                there = f" Its rotation is deformation 1 of the element '{turn}'." if told else ""
+                turn = "" if part.axis is None else turn_of(owner)
+                has_hinge = any(turn == element for element, *_ in labels.elements)
+                hint = f" Its rotation is deformation 1 of the element '{turn}'." if has_hinge else ""
                 raise ModelError(
-                    f"{side} {called} is the {part.quantity} of a {what} that is {role}, but it needs a FIXED or"
-                    f" PRESCRIBED one.{there or ' Fix or prescribe it, or leave this out.'}"
+                    f"{side} {called} is the {part.quantity} of a {kind} that is {role}, but it needs a FIXED or"
+                    f" PRESCRIBED one.{hint or ' Fix or prescribe it, or leave this out.'}"
                 )
     return model
 
@@ -115,18 +115,18 @@ def complete_series(builder: Description, model: Model) -> Model:
     """
     if not _coefficients(model):
         return model
-    return _with_coefficients(with_started(with_clamps(builder, None)), model, motions_of(model)[0])
+    return _with_coefficients(with_started(with_clamps(builder, None)), model, allowed_motions(model)[0])
 
 
 def _coefficients(model: Model) -> list[int]:
     """DEPENDENT coefficients of spectral beams with stiffness, and warpings of their ends, as indices in e."""
     released = set(np.asarray(model.topology.e.dependent).tolist())
-    found = []
+    indices = []
     for block in model.topology.blocks:
         if block.element.fields and "stiffness" in block.companions:
-            own = [n - 1 for n in (*(n for field in block.element.fields for n in field), *block.element.measured)]
-            found += [i for i in np.asarray(block.e)[:, own].ravel().tolist() if i in released]
-    return found
+            columns = [n - 1 for n in (*(n for field in block.element.fields for n in field), *block.element.measured)]
+            indices += [i for i in np.asarray(block.e)[:, columns].ravel().tolist() if i in released]
+    return indices
 
 
 def _with_coefficients(builder: Description, model: Model, motions: Any) -> Model:
@@ -135,9 +135,9 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
     if missing <= 0 or not candidates:
         return model
     rows = named_rows(model, motions)
-    _, rest = independent_rows(rows, rows.shape[0], CANNOT_MOVE)
+    _, undetermined = independent_rows(rows, rows.shape[0], CANNOT_MOVE)
     effects = constraints(model).jacobian[candidates] @ motions
-    chosen, _ = _independent(model, candidates, effects, rest, missing, rows.shape[0] > 0)
+    chosen, _ = _independent(model, candidates, effects, undetermined, missing, rows.shape[0] > 0)
     if len(chosen) < missing:
         return model
     builder = builder.copy()
@@ -149,7 +149,7 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
 
 
 def _independent(
-    model: Model, candidates: Sequence[int], effects: Any, rest: Any, wanted: int, beside: bool
+    model: Model, candidates: Sequence[int], effects: Any, undetermined: Any, count: int, beside: bool
 ) -> tuple[list[int], Any]:
     """Deformations that determine a mechanism with the named ones, and the projector onto undetermined motions.
 
@@ -172,10 +172,10 @@ def _independent(
         tiers = [np.flatnonzero(np.isin(candidates, _stretches(model))), np.arange(len(candidates))]
     for i, tier in enumerate(tiers):
         least = INDEPENDENT if i == len(tiers) - 1 else CLEARLY_INDEPENDENT
-        own, left = independent_rows(effects[tier] @ rest, wanted - len(chosen), least)
-        chosen += [int(candidates[tier[k]]) for k in own]
-        rest = rest @ left
-    return chosen, rest
+        rows, remaining = independent_rows(effects[tier] @ undetermined, count - len(chosen), least)
+        chosen += [int(candidates[tier[k]]) for k in rows]
+        undetermined = undetermined @ remaining
+    return chosen, undetermined
 
 
 def _candidates(model: Model) -> np.ndarray:
@@ -194,13 +194,13 @@ def _candidates(model: Model) -> np.ndarray:
 
 def _stretches(model: Model) -> np.ndarray:
     """Coefficients of elongations and shears, and warpings of ends."""
-    found = []
+    indices = []
     for block in model.topology.blocks:
         fields = block.element.fields
-        own = [n - 1 for i in block.element.lengths if i < len(fields) for n in fields[i]]
-        own += [n - 1 for n in block.element.measured] if fields else []
-        found += np.asarray(block.e)[:, own].ravel().tolist()
-    return np.array(found, int)
+        columns = [n - 1 for i in block.element.lengths if i < len(fields) for n in fields[i]]
+        columns += [n - 1 for n in block.element.measured] if fields else []
+        indices += np.asarray(block.e)[:, columns].ravel().tolist()
+    return np.array(indices, int)
 
 
 def named_rows(model: Model, motions: Any, found: Constraints | None = None) -> Any:
@@ -223,23 +223,23 @@ def choose(model: Model, motions: Any, named: Any, found: Constraints | None = N
     """
     topology = model.topology
     released = _candidates(model)
-    first, rest = independent_rows(named, named.shape[0], CANNOT_MOVE)
-    wanted = motions.shape[1] - len(first)
+    first, undetermined = independent_rows(named, named.shape[0], CANNOT_MOVE)
+    count = motions.shape[1] - len(first)
     # Rows of unit size: all deformations of an element matter alike, whatever their units.
     effects = (found or constraints(model)).jacobian[released] @ motions
     if not isinstance(motions, np.ndarray):
-        effects = effects @ rest
-        if effects.shape[0] == wanted == effects.shape[1] and determines(effects):
+        effects = effects @ undetermined
+        if effects.shape[0] == count == effects.shape[1] and determines(effects):
             return [], sorted(released.tolist())
         first = []
     else:
-        first, rest = _independent(model, released.tolist(), effects, rest, wanted, named.shape[0] > 0)
+        first, undetermined = _independent(model, released.tolist(), effects, undetermined, count, named.shape[0] > 0)
     free = np.asarray(topology.x.dependent)
-    effects = motions[free] @ rest
+    effects = motions[free] @ undetermined
     if isinstance(motions, np.ndarray):
         # A rotation reaches further than a position, which turns back after a quarter of a turn.
         effects[[model.labels.x[i].kind == "position" for i in free]] /= TURNS_BACK
-    second, _ = independent_rows(effects, wanted - len(first), 0.0)
+    second, _ = independent_rows(effects, count - len(first), 0.0)
     return [int(free[i]) for i in sorted(second)], sorted(first)
 
 
@@ -266,32 +266,32 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
             "underconstrained",
             f"NDOF = {ndof}, but {named} degrees of freedom are named. Name none, and build() finds all of them.",
         )
-    given, dependent = np.asarray(model.topology.e.given), np.asarray(model.topology.x.dependent)
-    if not missing and not isinstance(motions, np.ndarray) and len(given) == len(dependent):
-        if determines(constrained.jacobian[given][:, dependent]):
+    independent, dependent = np.asarray(model.topology.e.given), np.asarray(model.topology.x.dependent)
+    if not missing and not isinstance(motions, np.ndarray) and len(independent) == len(dependent):
+        if determines(constrained.jacobian[independent][:, dependent]):
             return
-    found = mobility_of(model, constrained)
+    result = mobility_of(model, constrained)
     if missing > 0:
         raise MechanismError(
             "underconstrained",
             f"NDOF = {ndof}, but {named} degrees of freedom are named. Name {missing} more, or fix what should"
-            f" not move.\n{found.report()}",
+            f" not move.\n{result.report()}",
         )
-    if found.underconstraints:
+    if result.underconstraints:
         raise MechanismError(
             "dof",
-            f"The degrees of freedom {', '.join(names)} do not determine the rest of the mechanism.\n{found.report()}",
+            f"The degrees of freedom {', '.join(names)} do not determine the rest of the mechanism.\n{result.report()}",
         )
 
 
 def _release_all(builder: Description, model: Model) -> tuple[Model, Description]:
     builder = builder.copy()
-    while (found := mobility_of(model, constraints(model))).overconstraints:
-        for own in found.candidates:
-            if not own:
+    while (mobility := mobility_of(model, constraints(model))).overconstraints:
+        for alternatives in mobility.candidates:
+            if not alternatives:
                 text = "Rigid elements alone are over-constrained. release='auto' does not release their deformations."
-                raise MechanismError("overconstrained", f"{text}\n{found.report()}")
-            proposal = own[0]
+                raise MechanismError("overconstrained", f"{text}\n{mobility.report()}")
+            proposal = alternatives[0]
             builder.release(proposal.of, proposal.component, kind=proposal.kind)
             if proposal.fails:
                 warn(f"release='auto' releases {proposal.words}, and this loses rank near {proposal.fails}.")

@@ -16,7 +16,7 @@ from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import FOLD, THICK, End, axes_of, ends_of_leaf, is_clamped, is_fold, kept_known, span_of
+from .clamps import FOLD, THICK, End, ends_of_leaf, is_clamped, is_fold, known_numbers, leaf_axes, span_of
 from .description import Description, Member
 
 # Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
@@ -50,13 +50,13 @@ def with_steps(described: Description, builder: Description) -> Description:
     for name, member in leaves.items():
         for end in ends_of_leaf(name, member):
             at_nodes.setdefault(end.rotation, []).append(end)
-    found: dict[str, dict[int, tuple[Any, Any]]] = {}
+    steps: dict[str, dict[int, tuple[Any, Any]]] = {}
     for ends in at_nodes.values():
         for end, other in (ends, ends[::-1]) if len(ends) == 2 else ():
-            sizes = _beside(builder, end, other)
+            sizes = _size_beyond(builder, end, other)
             if sizes is not None and not is_fold(builder, *ends) and _goes_on(described, builder, end, other):
-                found.setdefault(end.leaf, {})[end.number] = _unless_fold(builder, sizes, end, other)
-    for name, sizes in found.items():
+                steps.setdefault(end.leaf, {})[end.number] = _unless_fold(builder, sizes, end, other)
+    for name, sizes in steps.items():
         member = described.members[name]
         rows = [sizes.get(number) or _sizes(builder, leaves[name], number) for number in range(2)]
         library: Any = np if is_concrete((rows, member.properties["clamped"])) else jnp
@@ -78,21 +78,21 @@ def _is_rectangle(member: Member) -> bool:
 
 def _sizes(builder: Description, member: Member, number: int) -> tuple[Any, Any]:
     """Width and thickness at an end [m]."""
-    given, length = member.properties["section"], span_of(builder, member)
-    with kept_known((given, length)):
-        section = given.at(float(number), float(length) if is_concrete(length) else length)
+    beam_section, length = member.properties["section"], span_of(builder, member)
+    with known_numbers((beam_section, length)):
+        section = beam_section.at(float(number), float(length) if is_concrete(length) else length)
         return section.width, section.thickness
 
 
-def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
+def _size_beyond(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
     """Width and thickness of the leaf spring beyond an end; None for equal sizes.
 
     A leaf spring thick enough to clamp the end counts with the width of the end: it is no step in width.
     """
-    one, following = builder.members[end.leaf], builder.members[other.leaf]
-    if one.properties["section"] is following.properties["section"] and not one.properties["section"].varies:
+    leaf, following = builder.members[end.leaf], builder.members[other.leaf]
+    if leaf.properties["section"] is following.properties["section"] and not leaf.properties["section"].varies:
         return None
-    (width, thickness), (wide, thick) = _sizes(builder, one, end.number), _sizes(builder, following, other.number)
+    (width, thickness), (wide, thick) = _sizes(builder, leaf, end.number), _sizes(builder, following, other.number)
     known = is_concrete((width, thickness, wide, thick))
     if known and abs(wide / width - 1) < SAME_SIZE and abs(thick / thickness - 1) < SAME_SIZE:
         return None
@@ -102,24 +102,24 @@ def _beside(builder: Description, end: End, other: End) -> tuple[Any, Any] | Non
 
 def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
     """Whether no part clamps an end, except a thick leaf spring in line."""
-    if (given := builder.members[end.leaf].properties["clamped"]) is not None:
-        return given[end.number] == 0
+    if (stated := builder.members[end.leaf].properties["clamped"]) is not None:
+        return stated[end.number] == 0
     flags, distances = flags_and_distances(described.members[end.leaf].properties["clamped"])
     if is_concrete((flags, distances)) and (flags[end.number] == 0 or distances[end.number] > 0):
         return True
-    rest = [name for name, member in builder.members.items() if end.rotation in member.nodes and name != other.leaf]
-    return not is_clamped(builder, end, {end.rotation: rest}, (True, True)).flat
+    others = [name for name, member in builder.members.items() if end.rotation in member.nodes and name != other.leaf]
+    return not is_clamped(builder, end, {end.rotation: others}, (True, True)).flat
 
 
 def _unless_fold(builder: Description, sizes: tuple[Any, Any], *ends: End) -> tuple[Any, Any]:
     """Return the sizes beyond an end, or its own sizes if traced directions meet at an angle."""
     members = [builder.members[end.leaf] for end in ends]
-    if is_concrete([axes_of(builder, member, np, end.number) for member, end in zip(members, ends, strict=True)]):
+    if is_concrete([leaf_axes(builder, member, np, end.number) for member, end in zip(members, ends, strict=True)]):
         return sizes
-    axes = [axes_of(builder, member, jnp, end.number) for member, end in zip(members, ends, strict=True)]
+    axes = [leaf_axes(builder, member, jnp, end.number) for member, end in zip(members, ends, strict=True)]
     in_line = jnp.all(jnp.stack([jnp.abs(one @ two) >= np.cos(FOLD) for one, two in zip(*axes, strict=True)]))
-    own = _sizes(builder, members[0], ends[0].number)
-    beyond, before = (jnp.where(in_line, size, one) for size, one in zip(sizes, own, strict=True))
+    end_sizes = _sizes(builder, members[0], ends[0].number)
+    beyond, before = (jnp.where(in_line, size, one) for size, one in zip(sizes, end_sizes, strict=True))
     return beyond, before
 
 
@@ -143,11 +143,11 @@ def warn_of_ends(described: Description) -> None:
         if not is_concrete(length := span_of(described, member)):
             continue
         sizes = np.array([_sizes(described, member, number) for number in range(2)], float)
-        whole = [_length_of_part(described, name, number) for number in range(2)]
+        lengths = [_length_of_part(described, name, number) for number in range(2)]
         faults = []
         if skew is not None:
             faults = _about_skew(
-                np.asarray(skew, float), sizes[:, 0], min(whole), np.atleast_2d(np.asarray(clamped))[0]
+                np.asarray(skew, float), sizes[:, 0], min(lengths), np.atleast_2d(np.asarray(clamped))[0]
             )
             long = float(np.abs(np.tan(np.asarray(skew, float))) @ sizes[:, 0]) / float(length)
             if long > LONGEST_CUT and (stroke := prescribed_stroke(described)) > LONGEST_STROKE * float(length):
@@ -156,7 +156,7 @@ def warn_of_ends(described: Description) -> None:
                     f" {stroke / float(length):.2g} of its length, where stiffnesses may be 16 % off"
                 )
         if stepped:
-            faults += _about_steps(np.asarray(clamped)[2:].T, sizes, whole)
+            faults += _about_steps(np.asarray(clamped)[2:].T, sizes, lengths)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
         if not NUS[0] <= nu <= NUS[1]:
             faults.append(f"Poisson's ratio of its material is {nu:.3g}, and fits hold from 0.2 to 0.4")
@@ -171,8 +171,10 @@ def warn_of_ends(described: Description) -> None:
 
 def prescribed_stroke(described: Description) -> float:
     """Return the largest known prescribed displacement of a node [m]."""
-    given = [entry for loads in described.loads.values() for entry in loads.get("prescribed", {}).items()]
-    points = [value for (kind, of, _), value in given if kind == "node" and described.nodes[of].kind.part == "position"]
+    entries = [entry for loads in described.loads.values() for entry in loads.get("prescribed", {}).items()]
+    points = [
+        value for (kind, node, _), value in entries if kind == "node" and described.nodes[node].kind.part == "position"
+    ]
     return max((abs(float(value)) for value in points if is_concrete(value)), default=0.0)
 
 
@@ -222,7 +224,7 @@ def _length_of_part(described: Description, name: str, number: int) -> float:
         ]
         if len(others) != 1 or not is_concrete(described.members[others[0].leaf].properties):
             return length
-        if is_fold(described, at, others[0]) or _beside(described, at, others[0]) is not None:
+        if is_fold(described, at, others[0]) or _size_beyond(described, at, others[0]) is not None:
             return length
         passed.add(others[0].leaf)
         at = ends_of_leaf(others[0].leaf, described.members[others[0].leaf])[1 - others[0].number]
@@ -230,7 +232,7 @@ def _length_of_part(described: Description, name: str, number: int) -> float:
 
 def nan_if_not_stiff(described: Description) -> Description:
     """Return the builder with NaN for traced skew cuts that a build with numbers refuses."""
-    found = described
+    twin = described
     for name, member in described.members.items():
         if not _may_step(member) or member.properties.get("skew") is None:
             continue
@@ -240,15 +242,15 @@ def nan_if_not_stiff(described: Description) -> Description:
         with nan_if_refused() as marked:
             holds(_least(member, length) >= 0)
             skew = marked(jnp.asarray(member.properties["skew"], float))
-        found = found.copy() if found is described else found
-        found.members[name] = dataclasses.replace(member, properties={**member.properties, "skew": skew})
-    return found
+        twin = twin.copy() if twin is described else twin
+        twin.members[name] = dataclasses.replace(member, properties={**member.properties, "skew": skew})
+    return twin
 
 
 def _least(member: Member, length: Any) -> Any:
     """Return the least eigenvalue of the scaled stiffness matrix of a leaf spring and its ends."""
-    own = {name: member.properties[name] for name in ("section", "clamped", "curvature", "skew", "clamp")}
-    return _least_of(own, length, order=member.element.options["order"])
+    properties = {name: member.properties[name] for name in ("section", "clamped", "curvature", "skew", "clamp")}
+    return _least_of(properties, length, order=member.element.options["order"])
 
 
 @jit

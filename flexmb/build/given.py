@@ -2,32 +2,32 @@
 
 from typing import Any
 
-from ..arguments import as_whole, check_numbers, copied, shown
+from ..arguments import as_whole, check_numbers, copied, short_repr
 from ..elements.element import ALL, Element
 from ..elements.element_text import deformations_of
 from ..errors import ModelError
 
 
-def named(what: str, name: Any) -> str:
+def name_text(what: str, name: Any) -> str:
     """A name as text; a whole number is a name too."""
     if not isinstance(name, str) and as_whole(name) is None:
-        raise ModelError(f"{what} is named by a string, such as 'foot', not by {shown(name)}.")
+        raise ModelError(f"{what} is named by a string, such as 'foot', not by {short_repr(name)}.")
     if not str(name).strip() or not str(name).isprintable():
-        raise ModelError(f"{what} needs a name of printable characters, not {shown(name)}.")
+        raise ModelError(f"{what} needs a name of printable characters, not {short_repr(name)}.")
     return str(name)
 
 
-def listed(what: str, values: Any) -> list:
+def number_list(what: str, values: Any) -> list:
     """Several numbers as a list."""
     if isinstance(values, str | dict | set):
-        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.")
+        raise ModelError(f"{what} must be a sequence of numbers, not {short_repr(values)}.")
     try:
-        found = copied(list(values))
+        numbers = copied(list(values))
     except TypeError:
-        raise ModelError(f"{what} must be a sequence of numbers, not {shown(values)}.") from None
-    for value in found:
+        raise ModelError(f"{what} must be a sequence of numbers, not {short_repr(values)}.") from None
+    for value in numbers:
         check_numbers(what, value, (), ModelError)
-    return found
+    return numbers
 
 
 def number_in(component: Any) -> int | None:
@@ -37,7 +37,7 @@ def number_in(component: Any) -> int | None:
     return as_whole(component)
 
 
-def some_of(what: str, of: Any, given: tuple) -> tuple:
+def at_least_one(what: str, of: Any, given: tuple) -> tuple:
     """Arguments of which there must be at least one."""
     if not given:
         raise ModelError(f"{what.capitalize()} of '{of}' is empty. Name components or deformations.")
@@ -48,9 +48,9 @@ def number_in_element(name: str, element: Element, count: int, deformation: Any)
     """Number of a deformation. Raises ModelError: The element has no such deformation."""
     number = element.number_of(deformation)
     if number is None or not 1 <= number <= count:
-        there = f"has deformations 1 to {count}" if count else "has no deformations"
+        description = f"has deformations 1 to {count}" if count else "has no deformations"
         named = f": {names}" if (names := deformations_of(element)) else ""
-        raise ModelError(f"Element '{name}' {there}, not {shown(deformation)}{named}.")
+        raise ModelError(f"Element '{name}' {description}, not {short_repr(deformation)}{named}.")
     return number
 
 
@@ -81,13 +81,13 @@ def released_in(name: str, wanted: Any, element: Element, count: int) -> list[in
     """Numbers of the deformations that may change, checked. Raises ModelError."""
     if isinstance(wanted, str) and wanted == ALL:
         return [n for n in range(1, count + 1) if n not in element.closure]
-    given = [wanted] if isinstance(wanted, str) and wanted in element.numbered else wanted
-    given = None if isinstance(given, str | bytes | dict) or not hasattr(given, "__iter__") else list(given)
-    if given is None or any(as_whole(one) is None and not isinstance(one, str) for one in given):
+    entries = [wanted] if isinstance(wanted, str) and wanted in element.numbered else wanted
+    entries = None if isinstance(entries, str | bytes | dict) or not hasattr(entries, "__iter__") else list(entries)
+    if entries is None or any(as_whole(entry) is None and not isinstance(entry, str) for entry in entries):
         usual = next((name for name, n in element.numbered.items() if n[0] not in element.closure), "")
         names = f', or names, such as "{usual}"' if usual else ""
         raise ModelError(
             f"Argument `released` of element '{name}' must be \"all\" or numbers from 1, such as (2, 3){names}; () for"
-            f" none. It is {shown(wanted)}."
+            f" none. It is {short_repr(wanted)}."
         )
-    return [n for one in given for n in numbers_freed(name, element, count, one)]
+    return [n for entry in entries for n in numbers_freed(name, element, count, entry)]

@@ -27,39 +27,41 @@ RESISTS = {"stiffness": "resists", "damping": "damps"}
 def warn_of_idle(builder: Description) -> None:
     """Warn of stress, strain, damping and laws that act only on held deformations, and of unused numbers."""
     _warn_of_other_numbers(builder)
-    for what in ("prestress", "strain"):
+    for noun in ("prestress", "strain"):
         for sets in builder.loads.values():
             acting: dict[str, list[int]] = {}
-            for (_, of, number), value in sets.get(what, {}).items():
+            for (_, name, number), value in sets.get(noun, {}).items():
                 if not is_concrete(value) or np.asarray(value) != 0:
-                    acting.setdefault(of, []).append(number)
-            for of, numbers in acting.items():
-                member = builder.members[of]
+                    acting.setdefault(name, []).append(number)
+            for name, numbers in acting.items():
+                member = builder.members[name]
                 roles = {n: role for n in numbers if (role := member.roles[n - 1]) in HELD}
-                loose = [] if what == "prestress" else _loose(builder, member, [n for n in numbers if n not in roles])
-                told = [f"deformation {member.element.called(n)} is {role.value}" for n, role in roles.items()]
-                told += [f"nothing resists deformation {member.element.called(n)}" for n in loose]
-                if told:
+                loose = [] if noun == "prestress" else _loose(builder, member, [n for n in numbers if n not in roles])
+                reasons = [f"deformation {member.element.called(n)} is {role.value}" for n, role in roles.items()]
+                reasons += [f"nothing resists deformation {member.element.called(n)}" for n in loose]
+                if reasons:
                     advice = "Release the deformation" if roles else "Give it a stiffness"
                     warn(
-                        f"{what.capitalize()} of element '{of}': {', '.join(told)}, so it has no effect there."
+                        f"{noun.capitalize()} of element '{name}': {', '.join(reasons)}, so it has no effect there."
                         f" {advice}, or leave it out.",
                         IdleWarning,
                     )
     for sets in builder.loads.values():
-        for _, of, _ in sets.get("temperature", {}):
-            if all(role is Role.PRESCRIBED for role in builder.members[of].roles):
-                warn(f"Temperature of element '{of}': all of its deformations are PRESCRIBED, so it has no effect.")
-    for of, member in builder.members.items():
+        for _, name, _ in sets.get("temperature", {}):
+            if all(role is Role.PRESCRIBED for role in builder.members[name].roles):
+                warn(f"Temperature of element '{name}': all of its deformations are PRESCRIBED, so it has no effect.")
+    for name, member in builder.members.items():
         if not member.roles or any(role not in HELD for role in member.roles):
             continue
-        for what, kinds in {"Damping": ("damping", "dissipation"), "Law": ("law", "energy")}.items():
+        for noun, kinds in {"Damping": ("damping", "dissipation"), "Law": ("law", "energy")}.items():
             # Damping of a material is stated once, for elements with held deformations too.
-            of_material = what == "Damping" and isinstance(member.properties.get("damping"), MaterialDamping)
+            of_material = noun == "Damping" and isinstance(member.properties.get("damping"), MaterialDamping)
             functions = [getattr(member.element, kind) for kind in kinds]
             acts = any(member.element.arguments(f, member.properties) is not None for f in functions)
             if acts and not of_material:
-                warn(f"{what} of element '{of}': all of its deformations are FIXED or PRESCRIBED, so it has no effect.")
+                warn(
+                    f"{noun} of element '{name}': all of its deformations are FIXED or PRESCRIBED, so it has no effect."
+                )
 
 
 def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int]:
@@ -68,7 +70,7 @@ def _loose(builder: Description, member: Member, numbers: list[int]) -> list[int
     arguments: Any = element.arguments(element.stiffness, member.properties)
     starts = [builder.nodes[node].start for node in member.nodes]
     others = [element.arguments(getattr(element, kind), member.properties) for kind in ELASTIC if kind != "stiffness"]
-    alone = arguments is not None and all(one is None for one in others)
+    alone = arguments is not None and all(other is None for other in others)
     if not numbers or not alone or not is_concrete((starts, arguments)):
         return []
     companion: Any = element.stiffness
@@ -81,39 +83,39 @@ def _warn_of_other_numbers(builder: Description) -> None:
     """Warn of elements whose section or damping has unused numbers and lacks needed numbers."""
     used: dict[Any, set[str]] = {}
     resisted: dict[Any, Any] = {}
-    told: set[Any] = set()
+    reported: set[Any] = set()
     for name, member in builder.members.items():
         element = member.element
         free = tuple(i for i, role in enumerate(member.roles) if role not in HELD)
         for key, kind in (("section", "stiffness"), ("damping", "damping")):
             numbers = member.properties.get(key)
-            if not isinstance(numbers, Rigidity | Damping) or (element, id(numbers), free) in told:
+            if not isinstance(numbers, Rigidity | Damping) or (element, id(numbers), free) in reported:
                 continue
-            told.add((element, id(numbers), free))
+            reported.add((element, id(numbers), free))
             if not is_concrete(numbers):
                 continue
-            given = {one for one in RESISTING[key] if np.any(np.asarray(getattr(numbers, one)) != 0)}
-            if len(given) in (0, len(RESISTING[key])):
+            stated = {entry for entry in RESISTING[key] if np.any(np.asarray(getattr(numbers, entry)) != 0)}
+            if len(stated) in (0, len(RESISTING[key])):
                 continue
             if (element, kind) not in used:
                 used[element, kind] = _used(member, key, kind)
             every = used[element, kind]
-            idle, missing = given - every, every - given
-            if missing and every & given and 0 < len(free) < len(member.roles):
-                there = frozenset(n for n, value in member.properties.items() if value is not None)
-                alike = element, kind, frozenset(given), there
+            idle, missing = stated - every, every - stated
+            if missing and every & stated and 0 < len(free) < len(member.roles):
+                present = frozenset(n for n, value in member.properties.items() if value is not None)
+                alike = element, kind, frozenset(stated), present
                 if alike not in resisted:
                     resisted[alike] = _resisted(builder, member, key, kind, [{}])
                 if resisted[alike] is not None:
-                    own = [one for one in RESISTING[key] if one in every & given]
-                    _warn_of_held(name, element.name, key, kind, own, resisted[alike][0] != 0, free)
-            lacking = [one for one in RESISTING[key] if one in missing] if idle else []
-            lacking = [one for one in lacking if _is_lacked(builder, member, key, kind, one, free)]
+                    acting = [entry for entry in RESISTING[key] if entry in every & stated]
+                    _warn_of_constrained(name, element.name, key, kind, acting, resisted[alike][0] != 0, free)
+            lacking = [entry for entry in RESISTING[key] if entry in missing] if idle else []
+            lacking = [entry for entry in lacking if _is_lacked(builder, member, key, kind, entry, free)]
             if lacking:
-                what, uses = (", ".join(one for one in RESISTING[key] if one in some) for some in (idle, every))
+                unused, uses = (", ".join(entry for entry in RESISTING[key] if entry in some) for some in (idle, every))
                 warn(
                     f"{key.capitalize()} of element '{name}' ({element.name}): nothing {RESISTS[kind]} some of its free"
-                    f" deformations for want of {', '.join(lacking)}, and what is given as {what} is not used there."
+                    f" deformations for want of {', '.join(lacking)}, and what is given as {unused} is not used there."
                     f" The element uses {uses}."
                 )
 
@@ -121,8 +123,8 @@ def _warn_of_other_numbers(builder: Description) -> None:
 def _matrix(element: Element, kind: str, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
     """Stiffness or damping of an element with other numbers."""
     companion: Any = getattr(element, kind)
-    own = dataclasses.replace(arguments[key], **numbers)
-    return companion(ref=element.reference(places), **{**arguments, key: own})
+    changed = dataclasses.replace(arguments[key], **numbers)
+    return companion(ref=element.reference(places), **{**arguments, key: changed})
 
 
 @jit_beside_options
@@ -130,16 +132,16 @@ def _diagonals(
     element: Element, kind: str, key: str, numbers: list[dict[str, Any]], arguments: Any, places: list[Any]
 ) -> list[Float[Array, "n_e"]]:
     """Diagonals of such matrices, in one program instead of one per operation."""
-    return [jnp.diagonal(_matrix(element, kind, key, own, arguments, places)) for own in numbers]
+    return [jnp.diagonal(_matrix(element, kind, key, values, arguments, places)) for values in numbers]
 
 
 def _used(member: Member, key: str, kind: str) -> set[str]:
     """Numbers of a section or of dampers that enter a matrix of an element; none if other functions use them too."""
     element = member.element
     takes = [
-        one
-        for one in (*ELASTIC, "damping", "dissipation")
-        if key in (element.arguments(getattr(element, one), member.properties) or ())
+        companion
+        for companion in (*ELASTIC, "damping", "dissipation")
+        if key in (element.arguments(getattr(element, companion), member.properties) or ())
     ]
     if takes != [kind]:
         return set()
@@ -152,12 +154,12 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
     return {name for name, variable in zip(RESISTING[key], program.invars, strict=False) if id(variable) in entering}
 
 
-def _warn_of_held(
+def _warn_of_constrained(
     name: str,
     type_name: str,
     key: str,
     kind: str,
-    given: list[str],
+    names: list[str],
     resisted: Bool[np.ndarray, "n_e"],
     free: tuple[int, ...],
 ) -> None:
@@ -166,10 +168,10 @@ def _warn_of_held(
         return
     numbers = [str(i + 1) for i in np.flatnonzero(resisted)]
     which = f"deformation{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
-    acts = RESISTS[kind].removesuffix("s") if given[1:] else RESISTS[kind]
+    acts = RESISTS[kind].removesuffix("s") if names[1:] else RESISTS[kind]
     warn(
-        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(given)} {acts} {which} alone, held here, so"
-        f" that {'they do' if given[1:] else 'it does'} nothing. Release what is held, or give what {RESISTS[kind]} the"
+        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(names)} {acts} {which} alone, held here, so"
+        f" that {'they do' if names[1:] else 'it does'} nothing. Release what is held, or give what {RESISTS[kind]} the"
         " free deformations.",
         IdleWarning,
     )
@@ -184,8 +186,8 @@ def _resisted(
     if not is_concrete((starts, arguments)):
         return None
     places = [np.asarray(start, float) for start in starts]
-    own = {one: getattr(member.properties[key], one) for one in RESISTING[key]}
-    every = [{one: np.asarray(value, float) for one, value in (own | more).items()} for more in numbers]
+    stated = {entry: getattr(member.properties[key], entry) for entry in RESISTING[key]}
+    every = [{entry: np.asarray(value, float) for entry, value in (stated | more).items()} for more in numbers]
     # Properties other than arrays select code.
     arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
     return np.asarray(_diagonals(member.element, kind, key, every, arguments, places))
@@ -193,9 +195,9 @@ def _resisted(
 
 def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
     """Whether a number would resist a free deformation that nothing resists."""
-    own = getattr(member.properties[key], name)
-    found = _resisted(builder, member, key, kind, [{name: own}, {name: own + 1.0}])
-    if found is None:
+    value = getattr(member.properties[key], name)
+    diagonals = _resisted(builder, member, key, kind, [{name: value}, {name: value + 1.0}])
+    if diagonals is None:
         return False
-    without, beside = found[:, list(free)]
+    without, beside = diagonals[:, list(free)]
     return bool(np.any((without == 0) & (beside != 0)))

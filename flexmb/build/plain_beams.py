@@ -17,7 +17,7 @@ from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
 from ..model.roles import HELD
-from .clamps import THICK, End, axes_of, elements_at, is_clamped, parts_of
+from .clamps import THICK, End, elements_at, is_clamped, leaf_axes, nodes_of_kind
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
@@ -48,7 +48,7 @@ def warn_of_plain_beams(builder: Description) -> None:
         Shear increases the compliance of a beam with a guided end by the factor 1 + 12 EI/(GAk L^2). If the section
         varies, both compliances are integrated along the beam. Warping: :func:`flexmb.sections.warping_factor`.
     """
-    found: dict[str, tuple[float, str, str]] = {}
+    largest: dict[str, tuple[float, str, str]] = {}
     # Beams that share a section evaluate it once.
     known: dict[int, Any] = {}
     joined = elements_at(builder)
@@ -56,18 +56,18 @@ def warn_of_plain_beams(builder: Description) -> None:
         # Results from known sizes stay known numbers, also in a traced build.
         with jax.ensure_compile_time_eval():
             left_out = _left_out(builder, chain, joined, known)
-        for what, share in left_out.items():
-            if share > SHARE and share > found.get(what, (0.0,))[0]:
-                found[what] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
-    if not found:
+        for effect, share in left_out.items():
+            if share > SHARE and share > largest.get(effect, (0.0,))[0]:
+                largest[effect] = share, chain.names[0], "" if len(chain.names) == 1 else f" to '{chain.names[-1]}'"
+    if not largest:
         return
-    told = [
-        f"{what} by {f'{share:.0%}' if share < 100 else 'more than 9999%'} ('{first}'{last})"
-        for what, (share, first, last) in found.items()
+    phrases = [
+        f"{effect} by {f'{share:.0%}' if share < 100 else 'more than 9999%'} ('{first}'{last})"
+        for effect, (share, first, last) in largest.items()
     ]
-    worst = {what: builder.members[first] for what, (_, first, _) in found.items()}
+    worst = {effect: builder.members[first] for effect, (_, first, _) in largest.items()}
     warn(
-        f"Plain beams neglect effects on a stiffness: {', '.join(told)}. {_remedy(builder, worst)} If you want beam"
+        f"Plain beams neglect effects on a stiffness: {', '.join(phrases)}. {_remedy(builder, worst)} If you want beam"
         " theory, ignore fm.BeamTheoryWarning.",
         BeamTheoryWarning,
     )
@@ -75,9 +75,9 @@ def warn_of_plain_beams(builder: Description) -> None:
 
 def _remedy(builder: Description, worst: dict[str, Member]) -> str:
     """Sentence on how to include the missing effects; ``worst``: for each effect the beam with the largest change."""
-    sheared = any("shear" in what for what in worst)
+    sheared = any("shear" in effect for effect in worst)
     ways = ["shear by shear=True of the section (and of a spectral_beam)"] * sheared
-    if twisted := [member for what, member in worst.items() if "warping" in what]:
+    if twisted := [member for effect, member in worst.items() if "warping" in effect]:
         # A `warping_length` needs the same section along the whole beam.
         varies = any(member.properties["section"].varies for member in twisted)
         row = "a row of spatial.warping_beam along it, each with the section there"
@@ -110,11 +110,13 @@ def _left_out(
     """
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
-    pieces = pieces_of(section, chain.length)
-    if not is_concrete(pieces):
+    segments = pieces_of(section, chain.length)
+    if not is_concrete(segments):
         return {}
     nodes, weights = gauss(SAMPLES)
-    places, weights = (np.asarray(all_).ravel() for all_ in (pieces.spread(nodes), pieces.sizes[:, None] * weights))
+    places, weights = (
+        np.asarray(values).ravel() for values in (segments.spread(nodes), segments.sizes[:, None] * weights)
+    )
     sections: list[Any] = [section.at(place, chain.length) for place in (places if section.varies else (0.0,))]
     if not isinstance(sections[0], Rectangle | Circle) or not is_concrete(sections):
         return {}
@@ -122,28 +124,28 @@ def _left_out(
     first, *_ = sections = jax.tree.map(np.asarray, sections)
     counted = [] if section.varies else known.setdefault(id(section), [])
     if not counted:
-        counted += [dataclasses.replace(one, shear=True).rigidity() for one in sections]
-    in_space, found = builder.dimension == 3, {}
+        counted += [dataclasses.replace(entry, shear=True).rigidity() for entry in sections]
+    in_space, changes = builder.dimension == 3, {}
     bendings = {"z": ("EIy", "shear_z"), "y": ("EIz", "shear_y")} if in_space else {"z": ("EIy", "shear_z")}
     for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):
         if not first.shear and _is_free(member, field):
-            stiff, shear = (np.array([float(getattr(one, name)) for one in counted]) for name in names)
+            stiff, shear = (np.array([float(getattr(entry, name)) for entry in counted]) for name in names)
             # Relative to the place where a force causes no rotation.
             bends = weights / stiff
             away = places - (bends @ places) / bends.sum()
             added = (weights * shear / stiff).sum() / (bends @ away**2) / chain.length**2
-            found[f"shear in bending along local {axis}"] = float(added)
+            changes[f"shear in bending along local {axis}"] = float(added)
     if in_space and isinstance(first, Rectangle) and first.warping_length is None and _is_free(member, 1):
-        stiff = np.array([float(one.GIt) for one in counted])
+        stiff = np.array([float(entry.GIt) for entry in counted])
         neck = int(np.argmin(stiff))
         if sections[neck].width >= STRIP * sections[neck].thickness:
             # Length of a beam of the thinnest section with equal twist. Much thicker parts prevent its warping.
             length = chain.length * (weights * stiff[neck] / stiff).sum()
-            notched = max(one.thickness for one in sections) >= THICK * sections[neck].thickness
+            notched = max(entry.thickness for entry in sections) >= THICK * sections[neck].thickness
             count = 2 if notched else sum(_is_restrained(builder, end, joined) for end in chain.ends)
             decay = length * math.sqrt(stiff[neck] / float(counted[neck].EIw))
-            found["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
-    return found
+            changes["restrained warping in torsion"] = count and 1 / (1 - count * math.tanh(decay / count) / decay) - 1
+    return changes
 
 
 def _is_free(member: Member, field: int) -> bool:
@@ -165,35 +167,35 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
     names = [name for name, member in builder.members.items() if _is_plain(builder, member)]
     at: dict[str, list[End]] = {}
     for name in names:
-        for number, rotation in enumerate(parts_of(builder.members[name], "rotation")):
+        for number, rotation in enumerate(nodes_of_kind(builder.members[name], "rotation")):
             at.setdefault(rotation, []).append(End(name, rotation, number))
-    along = {name: axes_of(builder, builder.members[name])[0] for name in names}
+    along = {name: leaf_axes(builder, builder.members[name])[0] for name in names}
     beyond: dict[tuple[str, int], End] = {}
     for ends in at.values():
         if len(ends) == 2 and _continues(builder, along, joined, *ends):
             beyond[ends[0][0], ends[0].number], beyond[ends[1][0], ends[1].number] = ends[1], ends[0]
-    found, seen = [], set()
+    chains, seen = [], set()
     for name in names:
         if name in seen:
             continue
         chain, ends = [name], []
         seen.add(name)
         for number in (1, 0):
-            of, out = name, number
-            while (of, out) in beyond and beyond[of, out].leaf not in seen:
-                of, out = beyond[of, out].leaf, 1 - beyond[of, out].number
-                chain.append(of)
-                seen.add(of)
-            ends.append(End(of, parts_of(builder.members[of], "rotation")[out], out))
-        found.append(_Chain(chain, sum(_span(builder, one) for one in chain), (ends[1], ends[0])))
-    return found
+            current, out = name, number
+            while (current, out) in beyond and beyond[current, out].leaf not in seen:
+                current, out = beyond[current, out].leaf, 1 - beyond[current, out].number
+                chain.append(current)
+                seen.add(current)
+            ends.append(End(current, nodes_of_kind(builder.members[current], "rotation")[out], out))
+        chains.append(_Chain(chain, sum(_span(builder, beam) for beam in chain), (ends[1], ends[0])))
+    return chains
 
 
 def _is_plain(builder: Description, member: Member) -> bool:
     counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
     if counted or member.element.usual not in PLAIN or isinstance(member.properties.get("section"), General | None):
         return False
-    p, q = parts_of(member, "position")
+    p, q = nodes_of_kind(member, "position")
     starts = builder.nodes[p].start, builder.nodes[q].start
     return is_concrete((starts, member.properties.get("y")))
 
@@ -211,5 +213,5 @@ def _continues(
 
 
 def _span(builder: Description, name: str) -> float:
-    p, q = (np.asarray(builder.nodes[node].start, float) for node in parts_of(builder.members[name], "position"))
+    p, q = (np.asarray(builder.nodes[node].start, float) for node in nodes_of_kind(builder.members[name], "position"))
     return float(np.linalg.norm(q - p))

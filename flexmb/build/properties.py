@@ -12,7 +12,7 @@ import jax
 import jax.core
 import numpy as np
 
-from ..arguments import check_numbers, check_real, is_concrete, shown
+from ..arguments import check_numbers, check_real, is_concrete, short_repr
 from ..compilation.kept import remembered
 from ..compilation.record import Record
 from ..elements.curves import CurvedLine, curvature_along
@@ -42,20 +42,22 @@ def element_type(given: Any) -> Element:
     function = given.deformation if isinstance(given, Element) else given
     if not inspect.isfunction(function):
         raise ModelError(
-            f"Element type must be an Element or a deformation function, such as planar.beam, not {shown(given)}."
+            f"Element type must be an Element or a deformation function, such as planar.beam, not {short_repr(given)}."
         )
-    found = given if isinstance(given, Element) else Element(given)
+    element = given if isinstance(given, Element) else Element(given)
     for name in COMPANIONS:
-        companion = getattr(found, name)
+        companion = getattr(element, name)
         if companion is not None and not inspect.isroutine(companion):
-            raise ModelError(f"Element type '{found.name}': its {name} must be a function, not {shown(companion)}.")
+            raise ModelError(
+                f"Element type '{element.name}': its {name} must be a function, not {short_repr(companion)}."
+            )
     try:
-        nodes = found.nodes
+        nodes = element.nodes
     except TypeError as fault:
         raise ModelError(str(fault)) from None
     if not nodes:
-        raise ModelError(f"Element type '{found.name}' joins no nodes: annotate its positional parameters.")
-    return found
+        raise ModelError(f"Element type '{element.name}' joins no nodes: annotate its positional parameters.")
+    return element
 
 
 def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[Element, dict[str, Any]]:
@@ -64,18 +66,18 @@ def with_options(element: Element, name: str, given: dict[str, Any]) -> tuple[El
     Raises:
         ModelError: An option has the wrong kind, is not hashable, or is missing.
     """
-    own = {key: value for key, value in given.items() if key in element.option_names and value is not None}
+    options = {key: value for key, value in given.items() if key in element.option_names and value is not None}
     try:
-        made = element(**own)
+        adapted = element(**options)
     except (TypeError, ValueError) as fault:
         raise ModelError(f"Element '{name}' ({element.name}): {fault}") from None
-    for key in made.option_names:
-        if key not in made.options:
+    for key in adapted.option_names:
+        if key not in adapted.options:
             raise ModelError(f"Element '{name}' ({element.name}) needs the option '{key}'.")
-    return made, {key: value for key, value in given.items() if key not in element.option_names}
+    return adapted, {key: value for key, value in given.items() if key not in element.option_names}
 
 
-def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, Any]:
+def complete_properties(element: Element, name: str, given: dict[str, Any]) -> dict[str, Any]:
     """Properties of an element with defaults filled in.
 
     Raises:
@@ -88,16 +90,16 @@ def complete(element: Element, name: str, given: dict[str, Any]) -> dict[str, An
                 f"Element '{name}' ({element.name}) has no property '{key}'. It takes:"
                 f" {', '.join([*known, *element.option_names]) or 'none'}."
             )
-    found = {key: _checked(element, name, key, value) for key, value in given.items() if value is not None}
+    completed = {key: _checked(element, name, key, value) for key, value in given.items() if value is not None}
     needed = {n for f in (element.deformation, element.law) if f is not None for n in element.wanted(f)}
     for key, parameter in known.items():
-        if key in found:
+        if key in completed:
             continue
         if key in needed and parameter.default is EMPTY:
             raise ModelError(f"Element '{name}' ({element.name}) needs the property '{key}'.")
-        found[key] = None if parameter.default is EMPTY else parameter.default
-    _check_whole(element, name, set(given) & {k for k, v in found.items() if v is not None}, found, needed)
-    return found
+        completed[key] = None if parameter.default is EMPTY else parameter.default
+    _check_complete(element, name, set(given) & {k for k, v in completed.items() if v is not None}, completed, needed)
+    return completed
 
 
 def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[str, Any]:
@@ -105,23 +107,23 @@ def with_material_damping(element: Element, properties: dict[str, Any]) -> dict[
     section = properties.get("section")
     if not isinstance(section, Section) or properties.get("damping") is not None:
         return properties
-    if (found := section.material_damping()) is None:
+    if (damping := section.material_damping()) is None:
         return properties
     if element.arguments(element.stiffness, properties) is not None:
-        return {**properties, "damping": found}
+        return {**properties, "damping": damping}
     # A belt has an energy instead of a stiffness. Its damper needs rigidities.
-    return {**properties, "damping": found.rigidities(section)} if "damping" in properties else properties
+    return {**properties, "damping": damping.rigidities(section)} if "damping" in properties else properties
 
 
-def _check_whole(element: Element, name: str, given: set[str], found: dict[str, Any], needed: set[str]) -> None:
+def _check_complete(element: Element, name: str, stated: set[str], completed: dict[str, Any], needed: set[str]) -> None:
     """Raise if only some properties of a companion are given. flexmb would not call this companion."""
     for kind in (*COMPANIONS, "shape"):
         companion = getattr(element, kind)
         if companion is None:
             continue
-        own = {key: p for key, p in element.wanted(companion).items() if key not in needed}
-        missing = [key for key, p in own.items() if p.default is not None and found[key] is None]
-        present = [key for key in own if key in given]
+        parameters = {key: p for key, p in element.wanted(companion).items() if key not in needed}
+        missing = [key for key, p in parameters.items() if p.default is not None and completed[key] is None]
+        present = [key for key in parameters if key in stated]
         if missing and present:
             raise ModelError(
                 f"Element '{name}' ({element.name}): its {kind} needs {_listed(missing)} too, beside"
@@ -138,67 +140,67 @@ def _listed(names: list[str]) -> str:
 
 def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     """Return a property as flexmb stores it. Sequences of numbers become arrays."""
-    what = f"Property '{key}' of element '{name}'"
+    subject = f"Property '{key}' of element '{name}'"
     hints = alternatives_of(element.hint(key))
     records = [h for h in hints if inspect.isclass(h) and issubclass(h, Record)]
     if CurvedLine in hints and callable(value) and not isinstance(value, Record):
         value = curvature_along(value)
     if records and not (_is_number(hints) and not isinstance(value, Record)):
         if not isinstance(value, tuple(records)):
-            wanted = " or ".join(_kind(h) for h in records)
-            raise ModelError(f"{what} must be {wanted}, not {shown(value)}.")
+            expected = " or ".join(_kind(h) for h in records)
+            raise ModelError(f"{subject} must be {expected}, not {short_repr(value)}.")
     elif ENDS in hints:
-        return _of_ends(what, value)
+        return _of_ends(subject, value)
     elif roots := [ROOTS[h] for h in hints if h in ROOTS]:
-        return _of_roots(what, value, roots[0])
+        return _of_roots(subject, value, roots[0])
     elif bool in hints:
         if not isinstance(value, bool):
-            raise ModelError(f"{what} must be True or False, not {shown(value)}.")
+            raise ModelError(f"{subject} must be True or False, not {short_repr(value)}.")
         return value
     elif is_option(value) and not _is_number(hints):
         return value
     if isinstance(value, Record):
-        _check_record(what, f"{key} of element '{name}'", value)
+        _check_record(subject, f"{key} of element '{name}'", value)
         return value
     if isinstance(value, list | tuple):
-        check_numbers(what, value, fault=ModelError)
+        check_numbers(subject, value, fault=ModelError)
         value = stack(value)
     leaves = jax.tree.leaves(value)
     if len(leaves) == 1 and leaves[0] is value:
         shape = next((s for s in map(_shape, hints) if s is not None), None)
         # One number replaces several equal numbers, such as the stiffnesses of all deformations.
-        check_numbers(what, value, () if float in hints and np.ndim(value) == 0 else shape, fault=ModelError)
+        check_numbers(subject, value, () if float in hints and np.ndim(value) == 0 else shape, fault=ModelError)
     else:
         for leaf in leaves:
-            check_numbers(what, leaf, fault=ModelError)
+            check_numbers(subject, leaf, fault=ModelError)
     return value
 
 
-def _of_ends(what: str, value: Any) -> np.ndarray:
+def _of_ends(subject: str, value: Any) -> np.ndarray:
     """Truth values of the two ends of an element as numbers, from one value for both ends or one for each."""
     flags = [value] * 2 if isinstance(value, bool) else list(value) if isinstance(value, list | tuple) else []
     if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
-        raise ModelError(f"{what} must be True or False, or two of them, one for each end, not {shown(value)}.")
+        raise ModelError(f"{subject} must be True or False, or two of them, one for each end, not {short_repr(value)}.")
     return np.array(flags, float)
 
 
-def _of_roots(what: str, value: Any, count: int) -> tuple[Any, Any] | None:
+def _of_roots(name: str, value: Any, count: int) -> tuple[Any, Any] | None:
     """Stiffnesses of the roots at both ends, None for a rigid one: the same for both, or each its own."""
     ends = list(value) if isinstance(value, list | tuple) else []
-    if len(ends) != 2 or any(one is not None and np.ndim(one) != 1 for one in ends):
-        check_numbers(what, value, fault=ModelError)
+    if len(ends) != 2 or any(end is not None and np.ndim(end) != 1 for end in ends):
+        check_numbers(name, value, fault=ModelError)
         flat = (stack(ends) if ends else stack([value])[0]).reshape(-1)
         # An array of twice as many may be six stiffnesses in space, of which a leaf spring in the plane takes three.
         if flat.size != count and (flat.size != 2 * count or (not ends and np.ndim(value) == 1)):
             raise ModelError(
-                f"{what} must be the {count} stiffnesses of a root, or those of the first end and of the last, None for"
-                f" a rigid end, not {shown(value)}."
+                f"{name} must be the {count} stiffnesses of a root, or those of the first end and of the last, None for"
+                f" a rigid end, not {short_repr(value)}."
             )
         ends = [flat[:count], flat[-count:]]
-    for one in ends:
-        if one is not None:
-            check_numbers(what, one, (count,), fault=ModelError)
-    first, last = (None if one is None else stack([one])[0] for one in ends)
+    for end in ends:
+        if end is not None:
+            check_numbers(name, end, (count,), fault=ModelError)
+    first, last = (None if end is None else stack([end])[0] for end in ends)
     return None if first is None and last is None else (first, last)
 
 
@@ -238,25 +240,25 @@ def check_record(of: str, value: Record) -> None:
         warn_of_material(of, value)
 
 
-def _check_record(what: str, of: str, value: Record) -> None:
+def _check_record(subject: str, record_name: str, value: Record) -> None:
     """Raise for a section or damping with wrong entries. Elements that share a record check it once."""
     if value in _CHECKED:
         return
-    _check_fields(of, value)
+    _check_fields(record_name, value)
     for leaf in jax.tree.leaves(value):
-        check_numbers(what, leaf, fault=ModelError)
+        check_numbers(subject, leaf, fault=ModelError)
     if is_concrete(value) and isinstance(value, Section | Damping):
         for fault in value.faults():
-            raise ModelError(f"The {of} has {fault}.")
+            raise ModelError(f"The {record_name} has {fault}.")
         if isinstance(value, Section):
-            warn_of_section(of, value)
+            warn_of_section(record_name, value)
     _CHECKED.add(value)
 
 
 _CHECKED: weakref.WeakSet[Record] = weakref.WeakSet()
 
 
-def _check_fields(of: str, record: Any) -> None:
+def _check_fields(record_name: str, record: Any) -> None:
     """Refuse entries of the wrong kind, named as the engineer wrote them."""
     try:
         hints = typing.get_type_hints(type(record))
@@ -264,21 +266,21 @@ def _check_fields(of: str, record: Any) -> None:
         return
     for field in dataclasses.fields(record):
         value, hint = getattr(record, field.name), hints[field.name]
-        wanted = alternatives_of(hint)
-        inner = [h for h in wanted if inspect.isclass(h) and issubclass(h, Record)]
+        alternatives = alternatives_of(hint)
+        inner = [h for h in alternatives if inspect.isclass(h) and issubclass(h, Record)]
         right = ""
         if value is None and type(None) in typing.get_args(hint):
             continue
         if inner:
             right = "" if isinstance(value, tuple(inner)) else " or ".join(map(_kind, inner))
             if not right:
-                _check_fields(of, value)
+                _check_fields(record_name, value)
         elif field.metadata.get("static"):
             right = wanted_option(value, hint)
-        elif float in wanted:
+        elif float in alternatives:
             right = "" if _is_scalar(value) else "a number"
         if right:
-            raise ModelError(f"The {of} has {field.name} = {shown(value)}, but it must be {right}.")
+            raise ModelError(f"The {record_name} has {field.name} = {short_repr(value)}, but it must be {right}.")
 
 
 def _is_scalar(value: Any) -> bool:
@@ -321,11 +323,11 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
 
     def returned(kind: str, companion: Callable[..., Any], arguments: list, **extra: Any) -> Any:
         """Shapes of what a function returns."""
-        own = element.arguments(companion, {**numbers, **options})
-        if own is None:
+        properties = element.arguments(companion, {**numbers, **options})
+        if properties is None:
             return None
-        varying = {k: v for k, v in own.items() if k in numbers}
-        fixed = {k: v for k, v in own.items() if k not in numbers}
+        varying = {k: v for k, v in properties.items() if k in numbers}
+        fixed = {k: v for k, v in properties.items() if k not in numbers}
 
         def call(arguments: list[Any], nodes: list[Any], varying: dict[str, Any], extra: dict[str, Any]):
             return companion(*arguments, ref=element.reference(nodes), **varying, **fixed, **extra)
@@ -340,24 +342,24 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
                 first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"
             raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault
 
-    near = {"near": _vector(64)} if element.tracks_angle else {}
-    found = returned("deformation", element.deformation, nodes, **near)
-    if not isinstance(found, jax.ShapeDtypeStruct) or len(found.shape) != 1:
-        raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(found)}.")
-    n = found.shape[0]
+    keywords = {"near": _vector(64)} if element.tracks_angle else {}
+    deformations = returned("deformation", element.deformation, nodes, **keywords)
+    if not isinstance(deformations, jax.ShapeDtypeStruct) or len(deformations.shape) != 1:
+        raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(deformations)}.")
+    n = deformations.shape[0]
     for name in ("measured", "fields"):
-        told = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
-        if any(not 1 <= i <= n for i in told):
-            raise _WrongFunction(f"`{name}` names deformations {told}, but it has {n}.")
+        indices = [i for part in getattr(element, name) for i in (part if name == "fields" else (part,))]
+        if any(not 1 <= i <= n for i in indices):
+            raise _WrongFunction(f"`{name}` names deformations {indices}, but it has {n}.")
     _check_names(element, n)
-    taken, extra = _arguments(element, n)
+    positional, extra = _arguments(element, n)
     for kind in COMPANIONS:
         companion = getattr(element, kind)
         if companion is None or (kind in SURE and companion.__module__.startswith("flexmb.")):
             continue
         if kind == "thermal" and not element.expands({**numbers, **options}):
             continue
-        answer = returned(kind, companion, taken.get(kind, nodes), **extra.get(kind, {}))
+        answer = returned(kind, companion, positional.get(kind, nodes), **extra.get(kind, {}))
         if answer is not None:
             _check_answer(element, kind, n, answer)
     return n
@@ -370,7 +372,7 @@ def _check_names(element: Element, n: int) -> None:
         raise _WrongFunction(f"`names` must name {n} deformations, but names {len(names)}: {', '.join(element.names)}.")
     for number, name in names.items():
         if not str(name).isidentifier() or name in ("element", "increment") or element.number_of(name) != number:
-            raise _WrongFunction(f"`names` calls deformation {number} {shown(name)}: choose another word for it.")
+            raise _WrongFunction(f"`names` calls deformation {number} {short_repr(name)}: choose another word for it.")
 
 
 def _vector(size: int) -> jax.ShapeDtypeStruct:
@@ -379,7 +381,7 @@ def _vector(size: int) -> jax.ShapeDtypeStruct:
 
 def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dict[str, Any]]]:
     """Shapes of arguments of companions for n deformations: positional ones instead of nodes, and keywords."""
-    taken = {
+    positional = {
         "thermal": [_vector(size) for size in heat_sizes(element)],
         "stiffness": [],
         "damping": [],
@@ -392,13 +394,13 @@ def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dic
         "resultants": {"place": place, "sigma": _vector(n)},
         "surface": {"place": place, "resultants": _vector(6)},
     }
-    return taken, by_name
+    return positional, by_name
 
 
 def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:
     """Raise if a companion of an element with n deformations returns a wrong shape."""
-    wanted = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
-    wanted |= {"force": (sum(node.size for node in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
+    expected = {"stiffness": (n, n), "damping": (n, n), "energy": (), "dissipation": (), "law": (n,)}
+    expected |= {"force": (sum(node.size for node in element.nodes.values()),), "resultants": (6,), "thermal": (n,)}
     shapes = [getattr(part, "shape", ()) for part in answer] if isinstance(answer, tuple) else []
     if kind == "inertia":
         if len(shapes) != 2 or len(shapes[0]) != 2 or shapes[1] != (shapes[0][0],) * 2:
@@ -406,8 +408,8 @@ def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:
     elif kind == "surface":
         if shapes != [(8,)] * 3:
             raise _WrongFunction(f"surface must be three vectors (8,), but is {_described(answer)}.")
-    elif getattr(answer, "shape", None) != wanted[kind]:
-        raise _WrongFunction(f"{kind} must have shape {wanted[kind]}, but {_has(answer)}.")
+    elif getattr(answer, "shape", None) != expected[kind]:
+        raise _WrongFunction(f"{kind} must have shape {expected[kind]}, but {_has(answer)}.")
 
 
 def _described(answer: Any) -> str:

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array
 
-from ..checks.mobility import constraints, motions_of
+from ..checks.mobility import allowed_motions, constraints
 from ..compilation.record import Record, static
 from ..elements import spatial
 from ..elements.element import NONLINEAR, SECTIONAL
@@ -53,22 +53,24 @@ class Restriction(Record):
 
     def of(self, model: Model) -> Model:
         """The restricted model with the numbers of another model."""
-        own = model.parameters
+        unrestricted = model.parameters
         more = self.topology.n_e - model.topology.n_e
-        properties = own.properties
+        properties = unrestricted.properties
         if more:
-            blocks = [(model.topology.blocks[i], own.properties[i]) for i in self.tied]
-            parts = tuple(block.element.of_deformation(deforming(block, given)) for block, given in blocks)
+            blocks = [(model.topology.blocks[i], unrestricted.properties[i]) for i in self.tied]
+            parts = tuple(
+                block.element.of_deformation(deforming(block, block_properties)) for block, block_properties in blocks
+            )
             of = tuple(jax.tree.map(lambda leaf: jnp.asarray(leaf)[None], part) for part in parts)
             properties = (*properties, {"weights": self.weights, "of": of})
 
         parameters = Parameters(
-            own.reference,
+            unrestricted.reference,
             properties,
-            _longer_loads(own.loads, 0, more) or Loads(),
-            _longer_loads(own.increment, 0, more),
-            _longer(own.strain, more),
-            weights=own.weights,
+            _longer_loads(unrestricted.loads, 0, more) or Loads(),
+            _longer_loads(unrestricted.increment, 0, more),
+            _longer(unrestricted.strain, more),
+            weights=unrestricted.weights,
         )
         return Model(self.topology, parameters, self.labels)
 
@@ -78,11 +80,11 @@ def _longer(values: Array | None, more: int) -> Array | None:
     return None if values is None else jnp.concatenate([values, jnp.zeros((more, *values.shape[1:]))])
 
 
-def _longer_loads(given: Loads | None, more_x: int, more_e: int) -> Loads | None:
-    if given is None:
+def _longer_loads(loads: Loads | None, more_x: int, more_e: int) -> Loads | None:
+    if loads is None:
         return None
-    of_e = {name: _longer(getattr(given, name), more_e) for name in ("prestress", "temperature")}
-    return dataclasses.replace(given, force=_longer(given.force, more_x), **of_e)
+    of_e = {name: _longer(getattr(loads, name), more_e) for name in ("prestress", "temperature")}
+    return dataclasses.replace(loads, force=_longer(loads.force, more_x), **of_e)
 
 
 def with_turn(model: Model, name: str) -> Model:
@@ -90,7 +92,7 @@ def with_turn(model: Model, name: str) -> Model:
 
     The model is unchanged if it already has this hinge, or if ``name`` names no such rotation.
     """
-    labels, top, own = model.labels, model.topology, model.parameters
+    labels, top, original = model.labels, model.topology, model.parameters
     turned = labels.rotation_of(name)
     if turned is None or labels.place(name) is not None:
         return model
@@ -109,12 +111,12 @@ def with_turn(model: Model, name: str) -> Model:
         on_device(np.concatenate([np.asarray(top.powers), np.zeros(len(new), int)])),
     )
     parameters = dataclasses.replace(
-        own,
-        reference=jnp.concatenate([own.reference, jnp.array(ROTATION3.start)]) if new else own.reference,
-        properties=(*own.properties, {"axis": jnp.eye(3)[axis][None], "stiffness": None, "damping": None}),
-        loads=_longer_loads(own.loads, len(new), 3) or Loads(),
-        increment=_longer_loads(own.increment, len(new), 3),
-        strain=_longer(own.strain, 3),
+        original,
+        reference=jnp.concatenate([original.reference, jnp.array(ROTATION3.start)]) if new else original.reference,
+        properties=(*original.properties, {"axis": jnp.eye(3)[axis][None], "stiffness": None, "damping": None}),
+        loads=_longer_loads(original.loads, len(new), 3) or Loads(),
+        increment=_longer_loads(original.increment, len(new), 3),
+        strain=_longer(original.strain, 3),
     )
     names = dataclasses.replace(
         labels,
@@ -137,12 +139,12 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     top = model.topology
     n_e, ties = top.n_e, len(weights)
     blocks, stressed, places = list(top.blocks), list(model.labels.stressed), []
-    held = {*np.asarray(top.e.fixed).tolist(), *fixed}
+    constrained = {*np.asarray(top.e.fixed).tolist(), *fixed}
     for i, block in enumerate(blocks):
-        if held.issuperset(np.asarray(block.e).ravel().tolist()):
+        if constrained.issuperset(np.asarray(block.e).ravel().tolist()):
             # As in a model that is built with these roles: FIXED deformations need no stiffness.
-            rest = tuple(c for c in block.companions if c not in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
-            blocks[i] = dataclasses.replace(block, companions=rest)
+            companions = tuple(c for c in block.companions if c not in ("stiffness", "damping", *SECTIONAL, *NONLINEAR))
+            blocks[i] = dataclasses.replace(block, companions=companions)
     entries = model.labels.e
     if ties:
         places = [i for i, b in enumerate(top.blocks) if not set(tied).isdisjoint(np.asarray(b.e).ravel().tolist())]
@@ -163,8 +165,8 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
         entries += tuple(Entry(TIE, i + 1, f"e{i + 1}", "deformation") for i in range(ties))
     else:
         columns = np.zeros((0, 0))
-    free = [i for i in np.asarray(top.e.free).tolist() if i not in held]
-    e = roles_of(sorted([*held, *range(n_e, n_e + ties)]), sorted(free), [], top.e.prescribed)
+    free = [i for i in np.asarray(top.e.free).tolist() if i not in constrained]
+    e = roles_of(sorted([*constrained, *range(n_e, n_e + ties)]), sorted(free), [], top.e.prescribed)
     x = roles_of(top.x.fixed, np.sort(top.x.free), [], top.x.prescribed)
     labels = dataclasses.replace(model.labels, e=entries, stressed=tuple(stressed))
     bare = Restriction(
@@ -173,12 +175,12 @@ def restrict(model: Model, fixed: list[int], tied: list[int], weights: np.ndarra
     return dataclasses.replace(bare, topology=with_dofs(bare.of(model), model))
 
 
-def released(model: Model, indices: list[int]) -> Model:
+def with_released(model: Model, indices: list[int]) -> Model:
     """A model with FIXED deformations released, and degrees of freedom for them."""
     top = model.topology
-    held = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
+    constrained = [i for i in np.asarray(top.e.fixed).tolist() if i not in indices]
     free = sorted({*indices, *np.asarray(top.e.dependent).tolist(), *np.asarray(top.e.dof).tolist()})
-    e = roles_of(held, free, [], top.e.prescribed)
+    e = roles_of(constrained, free, [], top.e.prescribed)
     x = roles_of(top.x.fixed, np.sort(top.x.free), [], top.x.prescribed)
     bare = dataclasses.replace(
         model,
@@ -193,23 +195,23 @@ def with_dofs(restricted: Model, model: Model) -> Topology:
 
     ``restricted`` has other constraints and no degrees of freedom yet.
     """
-    motions, _ = motions_of(restricted)
-    top, own = restricted.topology, model.topology
-    effects = constraints(restricted).jacobian[np.asarray(own.e.dof)] @ motions
-    rows = above(motions[np.asarray(own.x.dof)], effects)
+    motions, _ = allowed_motions(restricted)
+    top, original = restricted.topology, model.topology
+    effects = constraints(restricted).jacobian[np.asarray(original.e.dof)] @ motions
+    rows = above(motions[np.asarray(original.x.dof)], effects)
     chosen, _ = independent_rows(rows, motions.shape[1], CANNOT_MOVE)
     more_x, more_e = choose(restricted, motions, rows)
-    count = own.x.dof.shape[0]
-    x_dof = [int(own.x.dof[i]) for i in sorted(chosen) if i < count] + more_x
-    e_dof = [int(own.e.dof[i - count]) for i in sorted(chosen) if i >= count] + more_e
+    count = original.x.dof.shape[0]
+    x_dof = [int(original.x.dof[i]) for i in sorted(chosen) if i < count] + more_x
+    e_dof = [int(original.e.dof[i - count]) for i in sorted(chosen) if i >= count] + more_e
     return dataclasses.replace(top, x=_chosen(top.x, x_dof), e=_chosen(top.e, e_dof))
 
 
 def _chosen(roles: RoleIndices, dof: list[int]) -> RoleIndices:
-    rest = [i for i in np.asarray(roles.dependent).tolist() if i not in dof]
-    return roles_of(roles.fixed, rest, dof, roles.prescribed)
+    dependent = [i for i in np.asarray(roles.dependent).tolist() if i not in dof]
+    return roles_of(roles.fixed, dependent, dof, roles.prescribed)
 
 
 def roles_of(fixed: Any, dependent: Any, dof: Any, prescribed: Any) -> RoleIndices:
     """Indices of each role, from known indices in lists or arrays, without compiling."""
-    return RoleIndices(*on_device([np.array(own, int) for own in (fixed, dependent, dof, prescribed)]))
+    return RoleIndices(*on_device([np.array(indices, int) for indices in (fixed, dependent, dof, prescribed)]))

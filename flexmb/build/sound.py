@@ -21,13 +21,13 @@ def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
     """All checks of a model's sections, dampings and elements."""
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
         reference = parameters.reference[:, np.asarray(block.x)]
-        for first, last, own in _of_one_kind(properties, len(block.x)):
-            for record in own.values():
+        for first, last, stacked in _by_section_kind(properties, len(block.x)):
+            for record in stacked.values():
                 if isinstance(record, Section | Damping):
                     yield _faults, record, type(record).faults
             if block.element.check is not None:
-                given = {**dict(block.options), **own}
-                yield from _of_element(block, block.element.check, reference[:, first:last], given)
+                arguments = {**dict(block.options), **stacked}
+                yield from _element_check(block, block.element.check, reference[:, first:last], arguments)
 
 
 def nan_if_impossible(model: Model) -> Model:
@@ -41,9 +41,9 @@ def nan_if_impossible(model: Model) -> Model:
     def stacked(leaf: Any) -> Any:
         return as_known(leaf)[None] if is_concrete(leaf) else jax.lax.stop_gradient(leaf)[None]
 
-    one = jax.tree.map(stacked, model.parameters)
+    single = jax.tree.map(stacked, model.parameters)
     with nan_if_refused() as marked:
-        for ask, numbers, function in checks_of(one, model.topology):
+        for ask, numbers, function in checks_of(single, model.topology):
             if function.__module__.startswith("flexmb.") and not is_concrete(numbers):
                 ask(numbers)
         leaves, structure = jax.tree.flatten(model.parameters)
@@ -57,7 +57,7 @@ def _faults(record: Section | Damping) -> list[str]:
     return record.faults()
 
 
-def _of_one_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
+def _by_section_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
     """Elements of a block with sections of one kind: first, last, and their properties."""
     sections = properties.get("section")
     if not isinstance(sections, tuple):
@@ -71,22 +71,22 @@ def _of_one_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, 
         first = last
 
 
-def _of_element(
+def _element_check(
     block: Block, check: Callable[..., list[str]], reference: Any, properties: dict[str, Any]
 ) -> Iterator[Check]:
     """The check of an element type."""
     element = block.element
-    wanted = element.wanted(check)
-    if any(p.default is p.empty and n not in properties for n, p in wanted.items()):
+    parameters = element.wanted(check)
+    if any(p.default is p.empty and n not in properties for n, p in parameters.items()):
         # A block of deformations alone; the block of the companions has the other properties.
         return
-    options = {n: v for n, v in properties.items() if n in wanted and isinstance(v, bool | str)}
-    numbers = {n: v for n, v in properties.items() if n in wanted and n not in options}
+    options = {n: v for n, v in properties.items() if n in parameters and isinstance(v, bool | str)}
+    numbers = {n: v for n, v in properties.items() if n in parameters and n not in options}
 
-    def ask(one: tuple[Any, dict[str, Any]]) -> list[str]:
-        reference, own = one
-        given: dict[str, Any] = element.arguments(check, {**options, **own}) or {}
+    def ask(pair: tuple[Any, dict[str, Any]]) -> list[str]:
+        reference, values = pair
+        arguments: dict[str, Any] = element.arguments(check, {**options, **values}) or {}
         library = np if is_concrete(reference) else jax.numpy
-        return check(ref=element.reference(library.split(reference, block.splits, axis=-1)), **given)
+        return check(ref=element.reference(library.split(reference, block.splits, axis=-1)), **arguments)
 
     yield ask, (reference, numbers), check

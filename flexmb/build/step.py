@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, is_concrete, short_repr
 from ..elements.sections import Material
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from .assemble import stack
 
 # build123d returns millimetres for any unit of the file.
@@ -36,7 +36,7 @@ def body_of_step(what: str, step: Any, material: Any, at: Any = None, dimension:
     density = _density(what, material)
     path = Path(os.fspath(step)) if isinstance(step, str | os.PathLike) else None
     if path is None or not path.is_file():
-        raise ModelError(f"{what}: there is no STEP file {shown(str(step))}.")
+        raise ModelError(f"{what}: there is no STEP file {short_repr(str(step))}.")
     volumes, centers, inertias = _solids(what, path)
     volume = np.sum(volumes)
     center = volumes @ centers / volume
@@ -50,33 +50,33 @@ def body_of_step(what: str, step: Any, material: Any, at: Any = None, dimension:
     return density * volume, center, inertia[2, 2] if dimension == 2 else inertia
 
 
-def _density(what: str, material: Any) -> Any:
+def _density(subject: str, material: Any) -> Any:
     if material is None:
         raise ModelError(
-            f"{what}: a STEP file contains only volumes. Give material=, a Material or a density [kg/m^3]."
+            f"{subject}: a STEP file contains only volumes. Give material=, a Material or a density [kg/m^3]."
         )
     density = material.rho if isinstance(material, Material) else material
-    check_numbers(f"{what}: the density", density, (), ModelError)
+    check_numbers(f"{subject}: the density", density, (), ModelError)
     if is_concrete(density) and not density > 0:
-        raise ModelError(f"{what}: the density of its material is {density}, but it must be positive.")
+        raise ModelError(f"{subject}: the density of its material is {density}, but it must be positive.")
     return density
 
 
-def _solids(what: str, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _solids(subject: str, path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Volumes (n,) [m^3], centres (n, 3) [m] and inertias over density (n, 3, 3) [m^5] of the solids of a file."""
     try:
         cad: Any = importlib.import_module("build123d")
     except ImportError:
-        raise ImportError(f"{what}: a STEP file needs build123d: pip install 'flexmb[cad]'.") from None
+        raise ImportError(f"{subject}: a STEP file needs build123d: pip install 'flexmb[cad]'.") from None
     try:
         solids = cad.import_step(path).solids()
     except Exception as fault:
-        raise ModelError(f"{what}: cannot read '{clean(path)}' as a STEP file: {clean(fault)}.") from fault
+        raise ModelError(f"{subject}: cannot read '{printable(path)}' as a STEP file: {printable(fault)}.") from fault
     if not solids:
-        raise ModelError(f"{what}: the STEP file '{clean(path)}' has no solids. Surfaces have no mass.")
+        raise ModelError(f"{subject}: the STEP file '{printable(path)}' has no solids. Surfaces have no mass.")
     volumes = np.array([solid.volume for solid in solids])
     if not np.all(volumes > 0):
-        raise ModelError(f"{what}: a solid in the STEP file '{clean(path)}' has no volume.")
+        raise ModelError(f"{subject}: a solid in the STEP file '{printable(path)}' has no volume.")
     centers = np.array([tuple(solid.center(cad.CenterOf.MASS)) for solid in solids])
     inertias = np.array([solid.matrix_of_inertia for solid in solids])
     return volumes * MILLIMETRE**3, centers * MILLIMETRE, inertias * MILLIMETRE**5

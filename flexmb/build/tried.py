@@ -41,60 +41,60 @@ def weights(count: int) -> np.ndarray:
     return np.cos(2.0 + 1.7 * np.arange(count))
 
 
-def drawn(kinds: list[NodeKind], apart: float, random: np.random.Generator) -> list[np.ndarray]:
+def random_element(kinds: list[NodeKind], apart: float, random: np.random.Generator) -> list[np.ndarray]:
     """Coordinates of an undeformed element: nodes in a row along a line, with random rotations."""
-    found, places = [], 0
+    coordinates, places = [], 0
     along = np.array([1.0, 0.3, -0.2])
     for kind in kinds:
         if kind.part == "position":
             offset = 0.3 * random.uniform(-1, 1, kind.size) + places * along[: kind.size]
-            found.append(apart * offset)
+            coordinates.append(apart * offset)
             places += 1
         elif kind.part != "rotation":
-            found.append(np.zeros(kind.size))
+            coordinates.append(np.zeros(kind.size))
         elif kind.dimension == 2:
-            found.append(random.uniform(-1, 1, 1))
+            coordinates.append(random.uniform(-1, 1, 1))
         else:
-            found.append(np.asarray(rotations.from_vector(random.uniform(-1, 1, 3))))
-    return found
+            coordinates.append(np.asarray(rotations.from_vector(random.uniform(-1, 1, 3))))
+    return coordinates
 
 
-def moved(
+def moved_nodes(
     kinds: list[NodeKind], ref: list[np.ndarray], away: float, apart: float, random: np.random.Generator
 ) -> list[np.ndarray]:
     """Coordinates of the deformed element, with each node moved by itself."""
-    found = []
+    coordinates = []
     for kind, part in zip(kinds, ref, strict=True):
         change = away * random.uniform(-1, 1, 3 if kind.part == "rotation" else kind.size)
         if kind.part == "rotation" and kind.dimension == 3:
-            found.append(np.asarray(rotations.product(rotations.from_vector(change), part)))
+            coordinates.append(np.asarray(rotations.quaternion_product(rotations.from_vector(change), part)))
         else:
-            found.append(part + (apart if kind.part == "position" else 1.0) * change[: kind.size])
-    return found
+            coordinates.append(part + (apart if kind.part == "position" else 1.0) * change[: kind.size])
+    return coordinates
 
 
-def rigidly(
+def rigid_motion(
     kinds: list[NodeKind], x: list[np.ndarray], turn: np.ndarray, shift: np.ndarray, rates: bool = False
 ) -> list[np.ndarray]:
     """Coordinates after a rigid motion of the whole, or rates carried along by it."""
     c, s = np.cos(turn[2]), np.sin(turn[2])
     lam, plane = rotations.from_vector(turn), np.array([[c, -s], [s, c]])
-    found = []
+    coordinates = []
     for kind, part in zip(kinds, x, strict=True):
         if kind.part == "position":
             matrix = plane if kind.dimension == 2 else np.asarray(rotations.to_matrix(lam))
-            found.append(matrix @ part + shift[: kind.dimension])
+            coordinates.append(matrix @ part + shift[: kind.dimension])
         elif kind.part != "rotation":
-            found.append(part)
+            coordinates.append(part)
         elif kind.dimension == 2:
-            found.append(part + (0.0 if rates else turn[2]))
+            coordinates.append(part + (0.0 if rates else turn[2]))
         else:
-            found.append(np.asarray(rotations.product(lam, part)))
-    return found
+            coordinates.append(np.asarray(rotations.quaternion_product(lam, part)))
+    return coordinates
 
 
 @functools.cache
-def compiled(element: Element, count: int, options: tuple, structure: Any, shapes: tuple) -> Any:
+def compiled_functions(element: Element, count: int, options: tuple, structure: Any, shapes: tuple) -> Any:
     """Compiled values and derivatives of an element's functions at many points, and the slice of each function."""
     _, unravel = ravel_pytree(jax.tree.unflatten(structure, [np.zeros(shape) for shape in shapes]))
 
@@ -104,25 +104,25 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
     def answers(point: Any) -> dict[str, Any]:
         x, ref, numbers = unravel(point)
         where = element.reference(ref)
-        near = {"near": jnp.zeros(count)} if element.tracks_angle else {}
-        e = element.deformation(*x, ref=where, **(chosen(element.deformation, numbers) or {}), **near)
-        found = {"deformations": e}
+        keywords = {"near": jnp.zeros(count)} if element.tracks_angle else {}
+        e = element.deformation(*x, ref=where, **(chosen(element.deformation, numbers) or {}), **keywords)
+        answered = {"deformations": e}
         rates = weights(count)
         calls = {"energy": (e,), "dissipation": (e, rates), "law": (e, rates), "stiffness": (), "damping": ()}
         for name, arguments in (*calls.items(), ("force", x), ("inertia", x)):
             companion = getattr(element, name)
-            own = chosen(companion, numbers)
-            if own is None:
+            properties = chosen(companion, numbers)
+            if properties is None:
                 continue
-            answer = companion(*arguments, ref=where, **own)
-            found |= {"vectors": answer[0], "H": answer[1]} if name == "inertia" else {name: answer}
-        return found
+            answer = companion(*arguments, ref=where, **properties)
+            answered |= {"vectors": answer[0], "H": answer[1]} if name == "inertia" else {name: answer}
+        return answered
 
     def weighed(point: Any) -> Any:
         """Weights of all answers; zero for laws and potentials, which may have kinks, as in contact."""
-        found = {name: jnp.full(part.size, float(name not in KINKED)) for name, part in answers(point).items()}
-        whole = jnp.concatenate([part for _, part in sorted(found.items())])
-        return whole * weights(whole.size)
+        parts = {name: jnp.full(part.size, float(name not in KINKED)) for name, part in answers(point).items()}
+        joined = jnp.concatenate([part for _, part in sorted(parts.items())])
+        return joined * weights(joined.size)
 
     def flat(point: Any) -> Any:
         return jnp.concatenate([jnp.ravel(part) for _, part in sorted(answers(point).items())])
@@ -134,13 +134,13 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
     def slopes(name: str, point: Any) -> dict[str, Any]:
         """Derivative of a potential in a direction, and its difference quotient."""
         _, ref, numbers = unravel(point)
-        own = chosen(getattr(element, name), numbers) or {}
+        properties = chosen(getattr(element, name), numbers) or {}
         e = answers(point)["deformations"]
         potential = getattr(element, name)
 
         def of(v: Any) -> Any:
             arguments = (v,) if name == "energy" else (e, v)
-            return potential(*arguments, ref=element.reference(ref), **own)
+            return potential(*arguments, ref=element.reference(ref), **properties)
 
         at = e if name == "energy" else jnp.asarray(weights(count))
         way, step = jnp.cos(jnp.arange(count)), STEP * jnp.max(jnp.abs(at), initial=1e-3)
@@ -149,7 +149,7 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
 
     def one(point: Any, along: Any) -> dict[str, Any]:
         (value, reverse), (forward, second) = jax.jvp(both, (point,), (along,))
-        found = {"value": value, "reverse": reverse, "forward": forward, "second": second}
+        results = {"value": value, "reverse": reverse, "forward": forward, "second": second}
         x, ref, numbers = unravel(point)
         if chosen(element.inertia, numbers) is not None:
             at, again = ravel_pytree(x)
@@ -158,11 +158,11 @@ def compiled(element: Element, count: int, options: tuple, structure: Any, shape
                 return answers(ravel_pytree((again(x), ref, numbers))[0])["vectors"]
 
             j = jax.jacfwd(vectors)(at)
-            found["mass"] = jnp.einsum("akc,ab,bkd->cd", j, answers(point)["H"], j)
+            results["mass"] = jnp.einsum("akc,ab,bkd->cd", j, answers(point)["H"], j)
         for name in ("energy", "dissipation"):
             if chosen(getattr(element, name), numbers) is not None:
-                found |= slopes(name, point)
-        return found
+                results |= slopes(name, point)
+        return results
 
     example = jax.eval_shape(answers, jax.ShapeDtypeStruct((sum(int(np.prod(s)) for s in shapes),), float))
     ends = np.cumsum([0, *(int(np.prod(part.shape)) for _, part in sorted(example.items()))]).tolist()

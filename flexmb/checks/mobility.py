@@ -11,11 +11,11 @@ from ..compilation.compile import unguarded
 from ..display import AT_MOST, Result, States, Summary, among, counted
 from ..errors import ModelError
 from ..math.linear import uneven
-from ..math.subspace import dense, null_spaces, row_sizes, spread
+from ..math.subspace import dense, null_spaces, row_sizes, scattered_rows
 from ..mechanics.deformation import undeformed
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import along_coordinates, combined, terms_of
-from ..model.model import Entry, Model, Signal, as_known
+from ..model.model import Entry, Model, Signal, as_known_model
 from ..numerical_limits import LOCKED_INPUT, NOT_VANISHING, SAME_SHARE, SMALLEST_SHARE
 from .releases import Release, one_by_one, proposals
 
@@ -65,7 +65,7 @@ class Mobility(Result):
     @property
     def release(self) -> tuple[tuple[str, int | str] | None, ...]:
         """Return the first release of each over-constraint as (element, number) or (node, coordinate), or None."""
-        return tuple(own[0][:2] if own else None for own in self.candidates)
+        return tuple(releases[0][:2] if releases else None for releases in self.candidates)
 
     @property
     def status(self) -> str:
@@ -95,9 +95,9 @@ class Mobility(Result):
             return self.model.states()._replace(shares=())
         parts: list[dict[str, float]] = [{} for _ in range(self.overconstraints)]
         titles = []
-        for i, (own, release) in enumerate(zip(parts, self.release, strict=True)):
+        for i, (largest, release) in enumerate(zip(parts, self.release, strict=True)):
             for share in self.stresses(i):
-                own[share.of] = max(own.get(share.of, 0.0), abs(share.share))
+                largest[share.of] = max(largest.get(share.of, 0.0), abs(share.share))
             advice = "between rigid elements"
             if release:
                 symbol = release[1] if isinstance(release[1], str) else f"e{release[1]}"
@@ -125,12 +125,12 @@ class Mobility(Result):
                 nodes = [e.of for e, s in zip(self.model.labels.e, stressed, strict=True) if s]
                 parts = ", ".join(f"Euler parameters of {node}" for node in dict.fromkeys(nodes))
             lines.append(f"self-stress {i + 1}: {parts}")
-            if own := self.candidates[i]:
-                lines.append(f"  to remove it, release {own[0].words}: {own[0]}")
+            if releases := self.candidates[i]:
+                lines.append(f"  to remove it, release {releases[0].words}: {releases[0]}")
             else:
                 lines.append("  rigid elements form a closed loop here: replace one by a flexible or a pinned one")
-            if own[1:]:
-                lines.append(f"  or one of these, the smallest self-stress first: {among(map(str, own[1:]))}")
+            if releases[1:]:
+                lines.append(f"  or one of these, the smallest self-stress first: {among(map(str, releases[1:]))}")
         for i in range(self.underconstraints):
             parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in self.motions(i))
             lines.append(f"free motion {i + 1}: {parts}")
@@ -140,8 +140,8 @@ class Mobility(Result):
 def shares(vector: np.ndarray, entries: Sequence[Entry]) -> list[Share]:
     """Parts of a motion or a self-stress, whose largest is 1, the largest first, without small ones."""
     order = np.argsort(-np.round(np.abs(vector) / SAME_SHARE), kind="stable")
-    shown = [i for i in order if abs(vector[i]) > SMALLEST_SHARE and entries[i].kind != "norm"]
-    return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in shown]
+    indices = [i for i in order if abs(vector[i]) > SMALLEST_SHARE and entries[i].kind != "norm"]
+    return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in indices]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -161,11 +161,11 @@ class Constraints:
 
     def self_stress(self, left: Any, held: np.ndarray) -> np.ndarray:
         """Stress resultants of left null vectors of the held rows, the largest of each 1."""
-        return _unit(dense(spread(left, held, len(self.rows))) * self.rows[:, None])
+        return _unit(dense(scattered_rows(left, held, len(self.rows))) * self.rows[:, None])
 
     def motion(self, right: Any, free: np.ndarray) -> np.ndarray:
         """Coordinates of right null vectors of the free columns, the largest of each 1."""
-        return _unit(dense(spread(right, free, len(self.columns))) * self.columns[:, None])
+        return _unit(dense(scattered_rows(right, free, len(self.columns))) * self.columns[:, None])
 
 
 def _unit(columns: np.ndarray) -> np.ndarray:
@@ -185,7 +185,7 @@ def constraints(model: Model) -> Constraints:
     """
     topology, parameters = model.topology, model.parameters
     e, jacobian = undeformed(topology, parameters)
-    columns = sizes_of(topology, parameters)
+    columns = coordinate_scales(topology, parameters)
     sizes = row_sizes(jacobian * columns)
     _check_undeformed(model, e, sizes)
     rows = 1 / np.where(sizes > 0, sizes, 1.0)
@@ -197,22 +197,24 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
     """Refuse deformations that are not zero, or not differentiable, in the undeformed mechanism."""
     types = {name: kind for name, kind, _ in model.labels.elements}
     for entry, value, size in zip(model.labels.e, e.tolist(), sizes.tolist(), strict=True):
-        what = f"Deformation {entry.component} of element '{entry.of}' ({types.get(entry.of, entry.kind)})"
+        subject = f"Deformation {entry.component} of element '{entry.of}' ({types.get(entry.of, entry.kind)})"
         if not np.isfinite(value) or not np.isfinite(size):
             part = "its derivative is" if np.isfinite(value) else "it is"
-            raise ModelError(f"{what}: in the undeformed mechanism {part} not finite. Rewrite it so that it is finite.")
+            raise ModelError(
+                f"{subject}: in the undeformed mechanism {part} not finite. Rewrite it so that it is finite."
+            )
         if abs(value) > NOT_VANISHING * size:
             raise ModelError(
-                f"{what} is {value:.6g} but must be zero in the undeformed mechanism, which is its argument `ref`."
+                f"{subject} is {value:.6g} but must be zero in the undeformed mechanism, which is its argument `ref`."
             )
 
 
-def motions_of(model: Model, found: Constraints | None = None) -> tuple[Any, int]:
+def allowed_motions(model: Model, found: Constraints | None = None) -> tuple[Any, int]:
     """Scaled motions that the constraints allow, (n_x, f), sparse if the constraints are; and the over-constraints."""
     found, topology = found or constraints(model), model.topology
-    held, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
-    rank, _, right = null_spaces(found.jacobian[np.ix_(held, free)])
-    return spread(right, free, topology.n_x), len(held) - rank
+    constrained, free = np.asarray(topology.e.held), np.asarray(topology.x.free)
+    rank, _, right = null_spaces(found.jacobian[np.ix_(constrained, free)])
+    return scattered_rows(right, free, topology.n_x), len(constrained) - rank
 
 
 def locked_inputs(model: Model) -> list[Signal]:
@@ -221,7 +223,7 @@ def locked_inputs(model: Model) -> list[Signal]:
     The second mechanism distinguishes a locked input from an input at a dead point.
     """
     locked = list(model.labels.inputs)
-    motions, _ = motions_of(model)
+    motions, _ = allowed_motions(model)
     columns = constraints(model).columns
     motion = motions @ uneven(motions.shape[1], 1)
     away = SHIFT * motion / max(np.max(np.abs(motion), initial=0.0), np.finfo(float).tiny)
@@ -231,33 +233,37 @@ def locked_inputs(model: Model) -> list[Signal]:
             # Undeformed elements have none of these.
             moved[place] = model.parameters.reference[place]
         if entry.symbol == "l0":
-            own = model.labels.coordinates(entry.of)
-            moved[own] /= np.linalg.norm(moved[own])
+            indices = model.labels.coordinates(entry.of)
+            moved[indices] /= np.linalg.norm(moved[indices])
     parameters = dataclasses.replace(model.parameters, reference=moved)
-    for one in (model, dataclasses.replace(model, parameters=parameters)):
-        motions, _ = motions_of(one)
-        found, x = constraints(one), np.asarray(one.parameters.reference)
-        locked = [s for s in locked if np.linalg.norm(motions.T @ _acting(one, s, found, x)) <= LOCKED_INPUT]
+    for variant in (model, dataclasses.replace(model, parameters=parameters)):
+        motions, _ = allowed_motions(variant)
+        constraint_set, x = constraints(variant), np.asarray(variant.parameters.reference)
+        locked = [
+            s for s in locked if np.linalg.norm(motions.T @ _acting(variant, s, constraint_set, x)) <= LOCKED_INPUT
+        ]
     return locked
 
 
-def _acting(model: Model, signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
+def _acting(model: Model, signal: Signal, constraint_set: Constraints, x: np.ndarray) -> np.ndarray:
     """Row of :func:`_input_row`; of an actuator its weighted parts, the largest of unit size."""
     if not signal.parts:
-        return _input_row(signal, found, x)
+        return _input_row(signal, constraint_set, x)
     inputs, weights = model.labels.inputs, model.parameters.weights
     factors = np.asarray(combined(inputs, None if weights is None else weights[0]))[inputs.index(signal)]
-    rows = [_input_row(term, found, x) if term in signal.parts else np.zeros(len(x)) for term in terms_of(inputs)]
+    rows = [
+        _input_row(term, constraint_set, x) if term in signal.parts else np.zeros(len(x)) for term in terms_of(inputs)
+    ]
     return factors @ np.array(rows) / max(np.max(np.abs(factors)), np.finfo(float).tiny)
 
 
-def _input_row(signal: Signal, found: Constraints, x: np.ndarray) -> np.ndarray:
+def _input_row(signal: Signal, constraint_set: Constraints, x: np.ndarray) -> np.ndarray:
     """Effect of an input on scaled coordinates, of unit size."""
     if signal.quantity == "stress":
-        return dense(found.jacobian[[signal.index]])[0]
+        return dense(constraint_set.jacobian[[signal.index]])[0]
     row = np.zeros(len(x))
-    own, along = along_coordinates(signal, jax.device_put(x))
-    row[np.asarray(own)] = np.asarray(along)
+    indices, along = along_coordinates(signal, jax.device_put(x))
+    row[np.asarray(indices)] = np.asarray(along)
     return row / np.linalg.norm(row)
 
 
@@ -278,34 +284,37 @@ def mobility(model: Model) -> Mobility:
         THEORY.md 8, eq. (8.1): singular values of the Jacobian of FIXED, PRESCRIBED and DOF deformations by the
         DEPENDENT coordinates; left null vectors are over-constraints, right ones under-constraints.
     """
-    return mobility_of(model, constraints(as_known(model, "mobility")))
+    return mobility_of(model, constraints(as_known_model(model, "mobility")))
 
 
 def mobility_of(model: Model, found: Constraints) -> Mobility:
     """As :func:`mobility`, of constraints that are known."""
-    matrix, held, free = _held_rows(model, found)
+    matrix, constrained, free = _constrained_rows(model, found)
     rank, left, right = null_spaces(matrix)
-    stress = found.self_stress(left, held)
-    candidates = proposals(model, found, _stress(model, left, held))
-    return Mobility(len(held) - rank, len(free) - rank, stress, found.motion(right, free), candidates, model)
+    stress = found.self_stress(left, constrained)
+    candidates = proposals(model, found, _stress(model, left, constrained))
+    return Mobility(len(constrained) - rank, len(free) - rank, stress, found.motion(right, free), candidates, model)
 
 
 def removals(model: Model, candidates: Collection[tuple[str, int]]) -> tuple[tuple[str, int] | None, ...]:
     """For each over-constraint the element and number to release among some, FIXED or DOF; None if none takes part."""
-    matrix, held, _ = _held_rows(model, constraints(model))
+    matrix, constrained, _ = _constrained_rows(model, constraints(model))
     left = null_spaces(matrix)[1]
-    rows = [i for i in held.tolist() if (model.labels.e[i].of, model.labels.e[i].component) in candidates]
-    found = [(own[0].of, own[0].number) for own in one_by_one(model, rows, _stress(model, left, held))]
-    return (*found, *[None] * (left.shape[1] - len(found)))
+    rows = [i for i in constrained.tolist() if (model.labels.e[i].of, model.labels.e[i].component) in candidates]
+    releases = [
+        (alternatives[0].of, alternatives[0].number)
+        for alternatives in one_by_one(model, rows, _stress(model, left, constrained))
+    ]
+    return (*releases, *[None] * (left.shape[1] - len(releases)))
 
 
-def _stress(model: Model, left: Any, held: np.ndarray) -> np.ndarray:
+def _stress(model: Model, left: Any, constrained: np.ndarray) -> np.ndarray:
     """Orthonormal self-stresses, with the rows that are not held, (n_e, over)."""
-    return dense(spread(left, held, model.topology.n_e))
+    return dense(scattered_rows(left, constrained, model.topology.n_e))
 
 
-def _held_rows(model: Model, found: Constraints) -> tuple[Any, np.ndarray, np.ndarray]:
+def _constrained_rows(model: Model, constraint_set: Constraints) -> tuple[Any, np.ndarray, np.ndarray]:
     """Jacobian of the deformations that are held by the DEPENDENT coordinates, and the indices of both."""
     topology = model.topology
-    held, free = np.asarray(topology.e.given), np.asarray(topology.x.dependent)
-    return found.jacobian[np.ix_(held, free)], held, free
+    constrained, free = np.asarray(topology.e.given), np.asarray(topology.x.dependent)
+    return constraint_set.jacobian[np.ix_(constrained, free)], constrained, free

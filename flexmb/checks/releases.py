@@ -9,7 +9,7 @@ from jaxtyping import Float
 from ..elements.element import ELASTIC
 from ..math.linear import uneven
 from ..math.subspace import dense, null_spaces
-from ..mechanics.deformation import on_host
+from ..mechanics.deformation import host_deformations
 from ..model.by_name import FRAME_OF, TURN_OF, TURNS, tilted_by, turned_by
 from ..model.model import Entry, Model
 from ..numerical_limits import CLOSED_LOOP, SAME_RANGE, SELF_STRESS, TAKES_NO_PART
@@ -74,9 +74,9 @@ class _Motion(NamedTuple):
     start: int
 
 
-def _of_elements(model: Model, only_elastic: bool) -> list[int]:
+def _releasable(model: Model, only_elastic: bool) -> list[int]:
     """FIXED deformations of elements that have other ones; no closure, whose release cuts a spectral beam."""
-    found = []
+    indices = []
     fixed = set(np.asarray(model.topology.e.fixed).tolist())
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         element = block.element
@@ -84,13 +84,13 @@ def _of_elements(model: Model, only_elastic: bool) -> list[int]:
         if only_elastic and not (is_elastic and element.is_elastic({**dict(block.options), **properties})):
             continue
         measured = {n - 1 for n in element.measured}
-        kept = measured | {n - 1 for n in element.closure}
+        excluded = measured | {n - 1 for n in element.closure}
         # Of a rigid beam only deformations of its closure, such as warping, are not FIXED.
-        aside = measured if not only_elastic else kept if element.fields else ()
+        aside = measured if not only_elastic else excluded if element.fields else ()
         for row in np.asarray(block.e).tolist():
             if any(i not in fixed for n, i in enumerate(row) if n not in aside):
-                found += [i for n, i in enumerate(row) if i in fixed and n not in kept]
-    return sorted(found)
+                indices += [i for n, i in enumerate(row) if i in fixed and n not in excluded]
+    return sorted(indices)
 
 
 def _supports(model: Model) -> tuple[list[tuple[str, str]], np.ndarray]:
@@ -127,15 +127,15 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
     """
     if not stress.shape[1]:
         return ()
-    labels, own = model.labels, _of_elements(model, True)
-    found = [tuple(releases) for releases in one_by_one(model, own, stress)]
-    if len(found) == stress.shape[1]:
-        return tuple(found)
-    taken = [model.labels.deformations(*releases[0][:2]) for releases in found]
+    labels, elastic = model.labels, _releasable(model, True)
+    candidates = [tuple(releases) for releases in one_by_one(model, elastic, stress)]
+    if len(candidates) == stress.shape[1]:
+        return tuple(candidates)
+    released = [model.labels.deformations(*releases[0][:2]) for releases in candidates]
     supports, moves = _supports(model)
     rows: list[int] = []
     names: list[tuple[str, int | str]] = []
-    for i in sorted(set(_of_elements(model, False)).difference(own)):
+    for i in sorted(set(_releasable(model, False)).difference(elastic)):
         entry, (node, axis) = labels.e[i], turned_by(labels.e[i].of)
         is_turn = entry.of.startswith(TURN_OF)
         # A hinge that holds a node about global axes is named as its support. About other axes it has no name.
@@ -145,11 +145,13 @@ def proposals(model: Model, constraints: Any, stress: np.ndarray) -> tuple[tuple
             names.append((node, axes[entry.component - 1]) if is_turn else (entry.of, entry.component))
     names += supports
     elements = {name for name, *_ in labels.elements}
-    motion = _along_motion(model, constraints, taken, rows, moves)
+    motion = _along_motion(model, constraints, released, rows, moves)
     for order in _in_turn(motion.parts, motion.start):
         releases = [Release(*names[k], part, _place(model, motion, gap)) for k, part, gap in order]
-        found.append(tuple(one._replace(shared=one.kind == "node" and one.of in elements) for one in releases))
-    return (*found, *[()] * (stress.shape[1] - len(found)))
+        candidates.append(
+            tuple(release._replace(shared=release.kind == "node" and release.of in elements) for release in releases)
+        )
+    return (*candidates, *[()] * (stress.shape[1] - len(candidates)))
 
 
 def one_by_one(model: Model, rows: Sequence[int], stress: np.ndarray) -> Iterator[list[Release]]:
@@ -165,27 +167,27 @@ def _in_turn(parts: np.ndarray, start: int) -> Iterator[list[tuple[int, float, f
     ``parts``: shares of each constraint in each self-stress, in states along the motion, (k, m, n). Each constraint
     takes part at ``start``. The best constraint is released before the next over-constraint.
     """
-    count, taken, rest = parts.shape[2], [], parts
-    while len(taken) < count:
-        sizes = np.linalg.norm(rest, axis=2)
+    count, chosen, remaining = parts.shape[2], [], parts
+    while len(chosen) < count:
+        sizes = np.linalg.norm(remaining, axis=2)
         least, gaps = sizes.min(axis=0), [None] * parts.shape[1]
-        if len(taken) == count - 1 and len(parts) > 1:
+        if len(chosen) == count - 1 and len(parts) > 1:
             # Where the last part vanishes, the volume that all parts span changes its sign.
-            sets = np.array([[*taken, k] for k in range(parts.shape[1])], int).reshape(-1, count)
+            sets = np.array([[*chosen, k] for k in range(parts.shape[1])], int).reshape(-1, count)
             volumes = np.linalg.det(parts[:, sets])
             for k in np.flatnonzero(np.any(volumes[1:] * volumes[:-1] < 0, axis=0)):
                 crossed = np.flatnonzero(volumes[1:, k] * volumes[:-1, k] < 0)
                 at = int(crossed[np.argmin(np.abs(crossed + 0.5 - start))])
                 least[k], gaps[k] = 0.0, at + volumes[at, k] / (volumes[at, k] - volumes[at + 1, k])
-        best = [k for k in range(parts.shape[1]) if sizes[start, k] > TAKES_NO_PART and k not in taken]
+        best = [k for k in range(parts.shape[1]) if sizes[start, k] > TAKES_NO_PART and k not in chosen]
         best.sort(key=lambda k: (round(-least[k], 9), round(-sizes[start, k], 9), k))
         if not best:
             return
         yield [(k, float(least[k]), gaps[k]) for k in best]
-        taken.append(best[0])
+        chosen.append(best[0])
         # Self-stresses that are left once this constraint is released.
-        row = rest[:, best[0]] / np.maximum(sizes[:, best[0], None], np.finfo(float).tiny)
-        rest = rest - (rest @ row[:, :, None]) * row[:, None]
+        row = remaining[:, best[0]] / np.maximum(sizes[:, best[0], None], np.finfo(float).tiny)
+        remaining = remaining - (remaining @ row[:, :, None]) * row[:, None]
 
 
 def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[int], moves: np.ndarray) -> _Motion:
@@ -194,30 +196,30 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
     ``taken`` deformations are released already; ``moves`` are the coordinates that each support moves, (n_x, s).
     """
     top = model.topology
-    held, free = np.setdiff1d(top.e.held, taken), np.asarray(top.x.free)
-    row_of = {i: k for k, i in enumerate(held.tolist())}
+    constrained, free = np.setdiff1d(top.e.held, taken), np.asarray(top.x.free)
+    row_of = {i: k for k, i in enumerate(constrained.tolist())}
     rows = [row_of[i] for i in rows]
 
     def parts_of(jacobian: Any, left: Any) -> np.ndarray:
         # A support bears the force of the self-stress on its coordinate.
-        return np.concatenate([left[rows], -dense(jacobian[held] @ moves).T @ left])
+        return np.concatenate([left[rows], -dense(jacobian[constrained] @ moves).T @ left])
 
     reference = np.asarray(model.parameters.reference)
-    rank, left, right = null_spaces(constraints.jacobian[np.ix_(held, free)])
+    rank, left, right = null_spaces(constraints.jacobian[np.ix_(constrained, free)])
     left, right = dense(left), dense(right)
     begin = reference, np.zeros(top.n_e), left
-    states, found = [(parts_of(constraints.jacobian, left), np.append(*begin[:2]))], []
+    states, followed = [(parts_of(constraints.jacobian, left), np.append(*begin[:2]))], []
     sides = (1, -1) if right.shape[1] and left.shape[1] and top.n_x <= MOST_FOLLOWED else ()
 
-    def closed(x: np.ndarray, near: np.ndarray):
+    def closed(x: np.ndarray, last_strain: np.ndarray):
         """The state near to coordinates by Newton's method; None if its FIXED deformations do not vanish."""
         for _ in range(ITERATIONS):
-            e, jacobian = on_host(top, model.parameters, x, near)
+            e, jacobian = host_deformations(top, model.parameters, x, last_strain)
             jacobian = dense(jacobian) * constraints.columns * constraints.rows[:, None]
             if not np.all(np.isfinite(jacobian)):
                 return None
-            u, values, vh = np.linalg.svd(jacobian[np.ix_(held, free)])
-            excess = (constraints.rows * e)[held]
+            u, values, vh = np.linalg.svd(jacobian[np.ix_(constrained, free)])
+            excess = (constraints.rows * e)[constrained]
             if np.max(np.abs(excess), initial=0.0) < CLOSED_LOOP:
                 return x, e, jacobian, u, values, vh
             change = vh[:rank].T @ ((u[:, :rank].T @ excess) / values[:rank])
@@ -226,23 +228,23 @@ def _along_motion(model: Model, constraints: Any, taken: list[int], rows: list[i
         return None
 
     for side in sides:
-        x, near, before = begin
-        way, found = side * right @ uneven(right.shape[1], 1), []
+        x, last_strain, before = begin
+        way, followed = side * right @ uneven(right.shape[1], 1), []
         for _ in range(STEPS):
             x = x.copy()
             x[free] += STEP * constraints.columns[free] * way / np.max(np.abs(way))
-            state = closed(x, near)
+            state = closed(x, last_strain)
             if state is None or np.max(state[4][rank:], initial=0.0) > SELF_STRESS:
                 break
-            x, near, jacobian, u, values, vh = state
+            x, last_strain, jacobian, u, values, vh = state
             way = vh[rank:].T @ (vh[rank:] @ way)
             if values[rank - 1] < SELF_STRESS:
                 continue
             turned, _, back = np.linalg.svd(u[:, rank:].T @ before)
             before = u[:, rank:] @ (turned @ back)
-            found.append((parts_of(jacobian, before), np.append(x, near)))
-        states = states + found if side > 0 else found[::-1] + states
-    return _Motion(np.array([own for own, _ in states]), np.array([own for _, own in states]), len(found))
+            followed.append((parts_of(jacobian, before), np.append(x, last_strain)))
+        states = states + followed if side > 0 else followed[::-1] + states
+    return _Motion(np.array([entry for entry, _ in states]), np.array([entry for _, entry in states]), len(followed))
 
 
 def _place(model: Model, motion: _Motion, gap: float | None) -> str:
@@ -252,11 +254,11 @@ def _place(model: Model, motion: _Motion, gap: float | None) -> str:
     top, entries = model.topology, (*model.labels.x, *model.labels.e)
     angles = [i for i in np.asarray(top.e.free).tolist() if not entries[top.n_x + i].of.startswith(TURN_OF)]
     ranges = np.ptp(motion.values, axis=0)
-    shown = [top.n_x + i for i in angles if ranges[top.n_x + i] > STEP]
-    if not shown:
-        shown = [i for i, entry in enumerate(model.labels.x) if entry.kind == "position" or entry.symbol == "phi"]
+    indices = [top.n_x + i for i in angles if ranges[top.n_x + i] > STEP]
+    if not indices:
+        indices = [i for i, entry in enumerate(model.labels.x) if entry.kind == "position" or entry.symbol == "phi"]
     # Among equals the first: a rounding difference must not decide.
-    most = next(i for i in shown if ranges[i] > (1 - SAME_RANGE) * max(ranges[shown]))
+    most = next(i for i in indices if ranges[i] > (1 - SAME_RANGE) * max(ranges[indices]))
     value = np.interp(gap, np.arange(len(motion.values)), motion.values[:, most])
     # Between two states it is known to a thousandth of the way.
     return f"{entries[most]} = {np.round(value / ranges[most], 3) * ranges[most]:.3g}"

@@ -40,7 +40,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
         TypeError: The argument is no function.
     """
     plain = compile.jit(function)
-    taken: dict[Any, tuple[Captured, Callable[..., Any]]] = {}
+    programs: dict[Any, tuple[Captured, Callable[..., Any]]] = {}
 
     @functools.wraps(function)
     def call(*arguments: Any, **options: Any):
@@ -49,30 +49,30 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
             return plain(*arguments, **options)
         kinds = tuple((np.shape(leaf), jnp.result_type(leaf)) for leaf in leaves)
         like = structure, compile.exact(tuple(sorted(options.items()))), kinds
-        if like not in taken:
+        if like not in programs:
             shapes = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*kind) for kind in kinds])
             with noted("", None, (), (), counts=False):
-                found = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
-            if not is_concrete(found.numbers):
+                program = captured(functools.partial(function, **options), *shapes, rules=0, formal=FORMAL)
+            if not is_concrete(program.numbers):
                 # Numbers of an outer trace may be differentiated and differ next time: shared code must have the same
                 # derivatives too.
-                found = captured(functools.partial(function, **options), *shapes, formal=FORMAL)
-                return _called(found, run_of(found.code), leaves)
+                program = captured(functools.partial(function, **options), *shapes, formal=FORMAL)
+                return _called(program, run_of(program.code), leaves)
             with jax.core.eval_context():
-                found = dataclasses.replace(found, numbers=tuple(jax.device_put(list(found.numbers))))
+                program = dataclasses.replace(program, numbers=tuple(jax.device_put(list(program.numbers))))
             compiled_before = run_of.cache_info().misses
-            taken[like] = found, run_of(found.code)
+            programs[like] = program, run_of(program.code)
             if run_of.cache_info().misses > compiled_before:
-                name, fixed = compile.name_of(function), tuple(sorted(options.items()))
+                name, fixed = compile.program_name(function), tuple(sorted(options.items()))
                 with noted(name, structure, fixed, [jax.ShapeDtypeStruct(*kind) for kind in kinds]):
                     pass
-        return _called(*taken[like], leaves)
+        return _called(*programs[like], leaves)
 
     return call
 
 
-def _called(found: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
-    return jax.tree.unflatten(found.code.results, run(None, (), [*found.numbers, *leaves]))
+def _called(program: Captured, run: Callable[..., Any], leaves: list[Any]) -> Any:
+    return jax.tree.unflatten(program.code.results, run(None, (), [*program.numbers, *leaves]))
 
 
 @functools.lru_cache(compile.MOST_VARIANTS)
@@ -83,7 +83,7 @@ def run_of(code: Code) -> Callable[..., Any]:
     def function(_: Any, __: Any, *leaves: Any):
         return jax.core.eval_jaxpr(code.jaxpr, leaves[:count], *leaves[count:])
 
-    return compile.compiled(function, compile.name_of(jit), counts=False)
+    return compile.compiled(function, compile.program_name(jit), counts=False)
 
 
 def _is_known(leaf: Any) -> bool:

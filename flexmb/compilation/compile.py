@@ -69,7 +69,7 @@ def jit(function: Callable[..., Any]) -> Callable[..., Any]:
     def flat(structure: Any, options: tuple[tuple[str, Any], ...], *leaves: Any):
         return function(*jax.tree.unflatten(structure, leaves), **dict(options))
 
-    run = compiled(flat, name_of(function))
+    run = compiled(flat, program_name(function))
 
     @functools.wraps(function)
     def call(*arguments: Any, **options: Any):
@@ -91,7 +91,7 @@ def jit_beside_options(function: Callable[..., Any]) -> Callable[..., Any]:
         every = [next(numbers) if leaf is _Number else leaf for leaf in fixed]
         return function(*jax.tree.unflatten(structure, every))
 
-    run = compiled(flat, name_of(function))
+    run = compiled(flat, program_name(function))
 
     @functools.wraps(function)
     def call(*arguments: Any):
@@ -137,28 +137,28 @@ def compiled(function: Callable[..., Any], name: str, counts: bool = True) -> Ca
             with noted(name, structure, fixed, leaves, counts):
                 return whole(structure, fixed, *leaves)
 
-        things = (whole, structure, fixed) if keeps else None
+        key = (whole, structure, fixed) if keeps else None
 
         def program(*leaves: Any):
             global _programs_left
             _programs_left -= 1
-            return kept.called(own, things, leaves)
+            return kept.call_kept(own, key, leaves)
 
         # The list stores whether the program was found to call the host.
         return under_name(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
 
     @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):
-        leaves, traced = _as_taken(leaves)
+        leaves, traced = _call_arguments(leaves)
         if traced:
             # Programs of this package call the host in another way than a user's program does.
             return variant(structure, fixed, "nested", False, (exact(fixed), is_within_run()))[0](*leaves)
         # Within a trace known numbers would be traced too: leave its context.
         with one_thread(), jax.core.eval_context():
             mode = "thorough" if _thorough else "quick"
-            own, calls_host = variant(structure, fixed, mode, _is_anywhere(leaves), exact(fixed))
+            program, calls_host = variant(structure, fixed, mode, _is_anywhere(leaves), exact(fixed))
             with Run(calls_host) as running:
-                results = running.finished(own(*leaves))
+                results = running.finished(program(*leaves))
             if _programs_left < 0:
                 make_room()
             return results
@@ -207,12 +207,12 @@ def exact(thing: Any) -> Any:
     return type(thing), repr(thing) if type(thing) in (float, complex) else thing
 
 
-def name_of(function: Callable[..., Any]) -> str:
+def program_name(function: Callable[..., Any]) -> str:
     """Name under which programs are listed."""
     return f"{getattr(function, '__module__', '')}.{getattr(function, '__name__', 'function')}"
 
 
-def _as_taken(leaves: list[Any]) -> tuple[list[Any], bool]:
+def _call_arguments(leaves: list[Any]) -> tuple[list[Any], bool]:
     """Leaves as compiled code takes them, and whether any is traced; one pass at every call.
 
     Numbers of weak type, such as floats of Python, would be another type and another program.
@@ -238,8 +238,8 @@ def _known() -> type:
 def _strong(number: Any) -> Any:
     """A number or array of strong type."""
     # Random keys have no weak type.
-    own = getattr(number, "weak_type", False)
-    weak = own if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
+    weak_type = getattr(number, "weak_type", False)
+    weak = weak_type if isinstance(number, jax.Array) else isinstance(number, bool | int | float | complex)
     # By NumPy: JAX compiles a program to convert a number.
     library = jnp if isinstance(number, jax.Array) else np
     return library.asarray(number, jnp.result_type(number)) if weak else number

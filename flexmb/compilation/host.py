@@ -213,7 +213,7 @@ def forget() -> None:
     _calls.clear()
 
 
-def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], wanted: list[np.ndarray]) -> None:
+def _answer(digest: bytes, text: Callable[[], bytes], arguments: list[np.ndarray], outputs: list[np.ndarray]) -> None:
     """Call the function that a program contains, and copy its results to the places that XLA gives."""
     if Run.interrupted:
         raise KeyboardInterrupt("the program was interrupted")
@@ -226,8 +226,8 @@ def _answer(digest: bytes, text: Callable[[], bytes], given: list[np.ndarray], w
                 del _calls[next(iter(_calls))]
             _calls[digest] = call
     function, structure, results = call
-    found = _flat(function, structure, results, given)
-    for place, number in zip(wanted, map(np.asarray, found), strict=True):
+    answers = _flat(function, structure, results, arguments)
+    for place, number in zip(outputs, map(np.asarray, answers), strict=True):
         if number.shape != place.shape:
             raise ValueError(f"{function} returned the shape {number.shape} in place of {place.shape}.")
         np.copyto(place, number, casting="same_kind")
@@ -302,20 +302,20 @@ class _Frame(Structure):
 
 def _arrays(buffers: Any) -> list[np.ndarray]:
     """Arrays in the memory of XLA."""
-    found = []
+    arrays = []
     for place in range(buffers.count):
-        one = buffers.all[place].contents
-        shape, kind = tuple(one.sizes[: one.rank]), np.dtype(TYPES[one.type])
+        buffer = buffers.all[place].contents
+        shape, kind = tuple(buffer.sizes[: buffer.rank]), np.dtype(TYPES[buffer.type])
         size = int(np.prod(shape, dtype=np.int64)) * kind.itemsize
-        memory: Any = (ctypes.c_char * size).from_address(one.data) if size else bytearray()
-        found.append(np.frombuffer(memory, kind).reshape(shape))
-    return found
+        memory: Any = (ctypes.c_char * size).from_address(buffer.data) if size else bytearray()
+        arrays.append(np.frombuffer(memory, kind).reshape(shape))
+    return arrays
 
 
 def _text(attributes: Any, place: int) -> bytes:
     """An attribute of the call; XLA orders attributes by name."""
-    one = attributes.all[place].contents
-    return ctypes.string_at(one.begin, one.length)
+    attribute = attributes.all[place].contents
+    return ctypes.string_at(attribute.begin, attribute.length)
 
 
 @ctypes.CFUNCTYPE(c_void_p, POINTER(_Frame))
@@ -329,9 +329,9 @@ def _handler(frame: Any) -> Any:
                 version = extension.metadata.contents.version
                 version.major, version.minor = MAJOR, MINOR
                 return None
-        given = _arrays(call.arguments)
+        arguments = _arrays(call.arguments)
         texts = call.attributes
-        _answer(_text(texts, 0), lambda: _text(texts, 1), given, _arrays(call.results))
+        _answer(_text(texts, 0), lambda: _text(texts, 1), arguments, _arrays(call.results))
     except BaseException as fault:
         # An exception would be lost here, and the program would continue without its results.
         try:

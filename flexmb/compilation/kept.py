@@ -39,15 +39,15 @@ log = logging.getLogger("flexmb")
 is_on = False
 
 
-def called(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any, ...]) -> Any:
+def call_kept(function: Callable[..., Any], things: tuple | None, leaves: tuple[Any, ...]) -> Any:
     """Result of a function in a trace, by its program on disk; otherwise traced, and written if possible."""
     if any(getattr(jax.config, name) for name in BY_OPERATIONS):
         return function(*leaves)
     path = None if things is None else _path(things, leaves)
-    found = None if path is None else _read(path)
-    if found is None:
-        found = _traced(function, path, [jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in leaves])
-    structure, run = found
+    stored = None if path is None else _read(path)
+    if stored is None:
+        stored = _traced(function, path, [jax.ShapeDtypeStruct(leaf.shape, leaf.dtype) for leaf in leaves])
+    structure, run = stored
     return jax.tree.unflatten(structure, run(*leaves))
 
 
@@ -55,7 +55,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
     """Remember a whole number that a function of this package finds by tracing, also on disk."""
 
     @functools.lru_cache(1000)
-    def found(*things: Any):
+    def recalled(*things: Any):
         path = _path((function, *things), ())
         content = None if path is None else _content(path)
         if content is not None:
@@ -66,7 +66,7 @@ def remembered(function: Callable[..., int]) -> Callable[..., int]:
                 _write(path, str(number).encode())
         return number
 
-    return functools.wraps(function)(found)
+    return functools.wraps(function)(recalled)
 
 
 def _traced(function: Callable[..., Any], path: Path | None, shapes: list[Any]) -> tuple[Any, Callable[..., Any]]:
@@ -136,7 +136,7 @@ def _check(path: Path, content: bytes) -> bytes:
     return hashlib.sha256(path.name.encode() + content).hexdigest().encode()
 
 
-def _path(things: tuple, leaves: tuple[Any, ...]) -> Path | None:
+def _path(key_parts: tuple, leaves: tuple[Any, ...]) -> Path | None:
     """File for a program by the things and argument types that determine it; None if they are unknown elsewhere."""
     folder = jax.config.values["jax_compilation_cache_dir"]
     try:
@@ -144,11 +144,11 @@ def _path(things: tuple, leaves: tuple[Any, ...]) -> Path | None:
             raise ValueError("programs are not kept on disk")
         if getattr(jax.config, "jax_default_device", None) is not None:
             raise ValueError("a device was chosen")
-        told = _surroundings(), described(things), [str(jax.typeof(leaf)) for leaf in leaves]
+        key = _surroundings(), as_nested_text(key_parts), [str(jax.typeof(leaf)) for leaf in leaves]
     except Exception as reason:
-        log.debug("%s is traced in each process: %s", things[0], reason)
+        log.debug("%s is traced in each process: %s", key_parts[0], reason)
         return None
-    return Path(folder, "programs", hashlib.sha256(repr(told).encode()).hexdigest())
+    return Path(folder, "programs", hashlib.sha256(repr(key).encode()).hexdigest())
 
 
 def _surroundings() -> Any:
@@ -171,33 +171,33 @@ def _refuse_changed(module: types.ModuleType) -> None:
 def _text() -> str:
     """Digest of versions and of the text of this package."""
     versions = [sys.version, *map(importlib.metadata.version, LIBRARIES)]
-    found = hashlib.sha256(repr(versions).encode())
+    digest = hashlib.sha256(repr(versions).encode())
     package = Path(__file__).parents[1]
     for file in sorted(package.rglob("*.py")):
         text = file.read_bytes()
-        found.update(f"{file.relative_to(package)} {len(text)}\n".encode() + text)
-    return found.hexdigest()
+        digest.update(f"{file.relative_to(package)} {len(text)}\n".encode() + text)
+    return digest.hexdigest()
 
 
-def described(thing: Any) -> Any:
+def as_nested_text(thing: Any) -> Any:
     """Return an object as nested text. Equal objects have equal text in all processes; TypeError for unknown parts."""
     kind: Any = type(thing)
     if kind in PLAIN or thing is type(None):
         return kind.__name__, repr(thing)
     if kind in (tuple, list, dict):
-        return kind.__name__, [described(one) for one in (thing.items() if kind is dict else thing)]
+        return kind.__name__, [as_nested_text(part) for part in (thing.items() if kind is dict else thing)]
     if kind is jax.tree_util.PyTreeDef:
-        return thing.num_leaves, described(thing.node_data()), [described(one) for one in thing.children()]
+        return thing.num_leaves, as_nested_text(thing.node_data()), [as_nested_text(part) for part in thing.children()]
     if kind is types.FunctionType:
         cells = [cell.cell_contents for cell in thing.__closure__ or ()]
-        return _place(thing), described([cells, thing.__defaults__, thing.__kwdefaults__, vars(thing)])
+        return _place(thing), as_nested_text([cells, thing.__defaults__, thing.__kwdefaults__, vars(thing)])
     if kind is np.ndarray and not thing.dtype.hasobject:
         return str(thing.dtype), thing.shape, thing.tobytes()
     if isinstance(thing, type) and thing.__module__.partition(".")[0] in KNOWN:
         if functools.reduce(getattr, thing.__qualname__.split("."), sys.modules[thing.__module__]) is thing:
             return thing.__module__, thing.__qualname__
     elif kind.__module__.partition(".")[0] in PURE:
-        return described(kind), described(dict(getattr(thing, "_asdict", lambda: vars(thing))()))
+        return as_nested_text(kind), as_nested_text(dict(getattr(thing, "_asdict", lambda: vars(thing))()))
     raise TypeError(f"{kind.__module__}.{kind.__qualname__} cannot be known in another process")
 
 

@@ -27,7 +27,7 @@ class Code:
 
     def __init__(self, jaxpr: Jaxpr, results: Any, rules: int = RULES):
         self.jaxpr, self.results = jaxpr, results
-        self._meaning = (_of_program(jaxpr, (), rules), results)
+        self._meaning = (_program_meaning(jaxpr, (), rules), results)
         self._hash = hash(self._meaning)
 
     def __eq__(self, other: object) -> bool:
@@ -66,8 +66,8 @@ def captured(function: Callable[..., Any], *like: Any, rules: int = RULES, forma
     # A new function, since JAX remembers traces of known ones.
     def flat(*leaves: Any):
         nonlocal results
-        found, results = jax.tree.flatten(function(*jax.tree.unflatten(structure, leaves)))
-        return [jnp.asarray(one) for one in found]
+        values, results = jax.tree.flatten(function(*jax.tree.unflatten(structure, leaves)))
+        return [jnp.asarray(value) for value in values]
 
     program = jax.make_jaxpr(flat)(*(jax.typeof(leaf) for leaf in leaves))
     jaxpr, numbers, places, equations = program.jaxpr, list(program.consts), [], []
@@ -126,24 +126,24 @@ def _may_bend(jaxpr: Jaxpr) -> bool:
     return False
 
 
-def of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
+def captured_of_time(function: Callable[..., Any]) -> tuple[Any, tuple[int, ...]]:
     """A function of time as it is now, and the shape of its value.
 
     Records of this package, such as tables and laws, stay as they are: their traces may be kept on disk, traces with
     captured functions may not.
     """
     time = jax.ShapeDtypeStruct((), float)
-    taken: Any = function
+    law: Any = function
     if not isinstance(function, Record):
-        taken = captured(lambda t: as_reals("its value", function(t)), time)
+        law = captured(lambda t: as_reals("its value", function(t)), time)
     # Some records know their shape without a trace.
-    shape = getattr(taken, "shape_of_value", None)
+    shape = getattr(law, "shape_of_value", None)
     # Not the record itself: the name of its trace would be its whole text.
     if shape is None:
-        value = jax.eval_shape(lambda t: taken(t), time)
+        value = jax.eval_shape(lambda t: law(t), time)
         check_real("its value", value)
         shape = value.shape
-    return taken, shape
+    return law, shape
 
 
 def digest(found: Captured) -> str:
@@ -157,7 +157,7 @@ def digest(found: Captured) -> str:
         text.update(repr(jax.typeof(number)).encode())
         text.update(np.asarray(number).tobytes())
 
-    def walk(jaxpr: Jaxpr, constants: Sequence[Any]):
+    def visit(jaxpr: Jaxpr, constants: Sequence[Any]):
         for number in constants:
             add(number)
         for equation in jaxpr.eqns:
@@ -167,9 +167,9 @@ def digest(found: Captured) -> str:
                     add(atom.val)
             for parameter in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
                 if _is_program(parameter):
-                    walk(getattr(parameter, "jaxpr", parameter), getattr(parameter, "consts", ()))
+                    visit(getattr(parameter, "jaxpr", parameter), getattr(parameter, "consts", ()))
 
-    walk(found.code.jaxpr, found.numbers)
+    visit(found.code.jaxpr, found.numbers)
     return text.hexdigest()
 
 
@@ -178,11 +178,11 @@ def is_literal(atom: Any) -> TypeGuard[Literal]:
     return hasattr(atom, "val")
 
 
-def _is_program(thing: Any) -> bool:
-    return hasattr(thing, "eqns")
+def _is_program(value: Any) -> bool:
+    return hasattr(value, "eqns")
 
 
-def split(
+def split_constants(
     function: Callable[..., Any], varying: tuple, constant: tuple
 ) -> tuple[Callable[..., tuple], Callable[..., Any]]:
     """Split a function without side effects of varying and constant arrays, to be called often with equal constants.
@@ -197,13 +197,15 @@ def split(
 def split_together(
     functions: Sequence[tuple[Callable[..., Any], tuple]], constant: tuple
 ) -> tuple[Callable[..., tuple], list[Callable[..., Any]]]:
-    """As :func:`split`, for several functions that share work on the same constants."""
+    """As :func:`split_constants`, for several functions that share work on the same constants."""
 
     def every(constant: tuple, *varying: tuple):
-        return (), *[function(*own, *constant) for (function, _), own in zip(functions, varying, strict=True)]
+        return (), *[
+            function(*arguments, *constant) for (function, _), arguments in zip(functions, varying, strict=True)
+        ]
 
     early, *late = split_in_stages(every, [constant, *[varying for _, varying in functions]])
-    return lambda *constant: early(*constant)[1], [_result_of(one) for one in late]
+    return lambda *constant: early(*constant)[1], [_result_of(stage) for stage in late]
 
 
 def _result_of(stage: Callable[..., Any]):
@@ -232,35 +234,35 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
     jaxpr = program.jaxpr
     equations, results = _without_repeats(jaxpr, program.consts)
     inputs, outputs = _in_groups(jaxpr.invars, groups), _in_groups(results, shapes)
-    level = {v: i for i, own in enumerate(inputs) for v in own}
+    level = {v: i for i, members in enumerate(inputs) for v in members}
     # Operations of literals alone are done in every stage that needs them.
     steps: list[list] = [[] for _ in groups]
     for equation in equations:
         last = max((level[v] for v in _variables(equation.invars) if v in level), default=None)
         if last is not None:
             level |= dict.fromkeys(equation.outvars, last)
-        for own in steps if last is None else [steps[last]]:
-            own.append(equation)
-    if any(level.get(v, 0) > i for i, own in enumerate(outputs) for v in _variables(own)):
+        for members in steps if last is None else [steps[last]]:
+            members.append(equation)
+    if any(level.get(v, 0) > i for i, members in enumerate(outputs) for v in _variables(members)):
         raise ValueError("A result follows from arguments of a group that comes after its own.")
-    kept: list[list] = [[] for _ in groups]
+    carried: list[list] = [[] for _ in groups]
     read: dict = {}
     for i in reversed(range(len(groups))):
-        kept[i] = [v for v in read if level.get(v) == i]
-        steps[i], more = needed(steps[i], [*outputs[i], *kept[i]])
+        carried[i] = [v for v in read if level.get(v) == i]
+        steps[i], more = needed(steps[i], [*outputs[i], *carried[i]])
         read |= more
     stages = []
-    for i, (own, shape) in enumerate(zip(inputs, shapes, strict=True)):
-        before = itertools.chain.from_iterable(kept[:i])
-        then = _program(jaxpr, [*own, *before], steps[i], [*outputs[i], *kept[i]])
-        stages.append(_evaluation(then, program.consts, jax.tree.structure((shape, tuple(kept[i])))))
+    for i, (members, shape) in enumerate(zip(inputs, shapes, strict=True)):
+        before = itertools.chain.from_iterable(carried[:i])
+        stage_program = _program(jaxpr, [*members, *before], steps[i], [*outputs[i], *carried[i]])
+        stages.append(_evaluation(stage_program, program.consts, jax.tree.structure((shape, tuple(carried[i])))))
     return stages
 
 
-def _in_groups(things: Sequence[Any], like: Sequence[Any]) -> list[list]:
+def _in_groups(values: Sequence[Any], like: Sequence[Any]) -> list[list]:
     """Things in groups, as many in each as some trees have leaves."""
-    left = iter(things)
-    return [list(itertools.islice(left, len(jax.tree.leaves(one)))) for one in like]
+    remaining = iter(values)
+    return [list(itertools.islice(remaining, len(jax.tree.leaves(part)))) for part in like]
 
 
 def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any]:
@@ -286,7 +288,7 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
     values = [(v.aval, np.asarray(c).tobytes()) for v, c in zip(jaxpr.constvars, constants, strict=True)]
     same: dict = {v: first.setdefault(value, v) for v, value in zip(jaxpr.constvars, values, strict=True)}
     known: dict = {}
-    found = []
+    equations = []
 
     def replaced(atoms: Sequence[Any]) -> list:
         return [v if is_literal(v) else same.get(v, v) for v in atoms]
@@ -299,11 +301,11 @@ def _without_repeats(jaxpr: Jaxpr, constants: Any) -> tuple[list, list]:
             same.update(zip(equation.outvars, known[key], strict=True))
         else:
             known[key] = equation.outvars
-            found.append(equation.replace(invars=inputs))
-    return found, replaced(jaxpr.outvars)
+            equations.append(equation.replace(invars=inputs))
+    return equations, replaced(jaxpr.outvars)
 
 
-def _of_program(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
+def _program_meaning(jaxpr: Jaxpr, constants: tuple, rules: int) -> tuple:
     """Value that is equal for programs that do the same with equal arguments."""
     places = {v: i for i, v in enumerate([*jaxpr.constvars, *jaxpr.invars])}
     meaning: list[Any] = [tuple((type(c), np.asarray(c).dtype, np.asarray(c).tobytes()) for c in constants)]
@@ -329,18 +331,18 @@ def _meaning(equation: Any, rules: int = RULES) -> tuple:
     if rule is not None and rules:
         # Each trace makes a custom derivative anew, so it is compared by its program. As this may contain the function
         # itself, the depth is limited.
-        own = len(equation.invars) - parameters.get("num_consts", 0)
-        jaxpr, constants, _ = rule.call_wrapped(*[False] * own)
+        argument_count = len(equation.invars) - parameters.get("num_consts", 0)
+        jaxpr, constants, _ = rule.call_wrapped(*[False] * argument_count)
         rules -= 1
-        derivative = _of_program(jaxpr, tuple(constants), rules)
+        derivative = _program_meaning(jaxpr, tuple(constants), rules)
     return equation.primitive, derivative, *((k, _value(v, rules)) for k, v in sorted(parameters.items()))
 
 
 def _value(parameter: Any, rules: int) -> Any:
     if _is_program(parameter):
-        return _of_program(getattr(parameter, "jaxpr", parameter), tuple(getattr(parameter, "consts", ())), rules)
+        return _program_meaning(getattr(parameter, "jaxpr", parameter), tuple(getattr(parameter, "consts", ())), rules)
     if isinstance(parameter, tuple | list):
-        return (type(parameter), *(_value(one, rules) for one in parameter))
+        return (type(parameter), *(_value(element, rules) for element in parameter))
     try:
         hash(parameter)
     except TypeError:
@@ -351,10 +353,10 @@ def _value(parameter: Any, rules: int) -> Any:
 
 def needed(equations: Sequence[Any], results: Sequence[Any]) -> tuple[list, dict]:
     """Equations that results depend on, and all variables that they or the results read, in order."""
-    wanted = dict.fromkeys(_variables(results))
-    found = []
+    variables = dict.fromkeys(_variables(results))
+    needed_equations = []
     for equation in reversed(equations):
-        if any(v in wanted for v in equation.outvars):
-            found.append(equation)
-            wanted.update(dict.fromkeys(_variables(equation.invars)))
-    return found[::-1], wanted
+        if any(v in variables for v in equation.outvars):
+            needed_equations.append(equation)
+            variables.update(dict.fromkeys(_variables(equation.invars)))
+    return needed_equations[::-1], variables

@@ -67,7 +67,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def each(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
+def in_threads(function: Callable[[Any], Any], arguments: Sequence[Any], threads: int) -> list[Any]:
     """Results of compiled calls in parallel, in order, each with a LAPACK of one thread."""
 
     def finished(argument: Any):

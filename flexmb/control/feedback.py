@@ -8,12 +8,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..arguments import as_reals, is_concrete, numbers, shown
+from ..arguments import as_reals, is_concrete, numbers, short_repr
 from ..compilation.compile import jit
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import factorise, pencil
 from ..numerical_limits import BOUNDED_ROUND_OFF, MASSLESS_SHARE, NEGLIGIBLE_TERM
-from .frequency_response import one_of
+from .frequency_response import place_of_name
 from .second_order_form import SecondOrder
 
 
@@ -43,7 +43,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     # The equations hold in any basis: it is not differentiated.
     mu, basis = jax.lax.stop_gradient(pencil(system.M, symmetric + shift * system.M))
     massive = mu > MASSLESS_SHARE * len(mu) * jnp.max(mu, initial=0.0)
-    there, absent = massive.astype(float), (~massive).astype(float)
+    present, absent = massive.astype(float), (~massive).astype(float)
     scale = jnp.where(massive, 1 / jnp.sqrt(jnp.where(massive, mu, 1.0)), 0.0)
     mass, damping, stiffness = (basis.T @ matrix @ basis for matrix in system[:3])
     b = jnp.stack([basis.T @ matrix for matrix in system[3:6]])
@@ -60,17 +60,17 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
             jnp.stack([size.T @ matrix for matrix in terms[3:6]]),
             jnp.stack([matrix @ size for matrix in terms[6:9]]),
         )
-        b, d, adrift, noted = _beside_what_follows(b, c, d, (stiffness, damping, mass), orders, sizes)
+        b, d, adrift, noted = _beyond_rest_motion(b, c, d, (stiffness, damping, mass), orders, sizes)
     else:
         adrift, noted = jnp.zeros(d.shape[1:], bool), jnp.sum(jnp.abs(d), axis=0)
     # Motions without mass follow the other motions and the forces immediately.
-    rigid = factorise(absent[:, None] * stiffness * absent + jnp.diag(there))
+    rigid = factorise(absent[:, None] * stiffness * absent + jnp.diag(present))
 
     def follows(right: Float[Array, "n k"], solve: Callable[..., Any]):
         return absent[:, None] * solve(absent[:, None] * right)
 
-    onto = jnp.diag(there) - follows(stiffness * there, rigid.solve)
-    from_left = jnp.diag(there) - follows(stiffness.T * there, rigid.solve_transposed)
+    onto = jnp.diag(present) - follows(stiffness * present, rigid.solve)
+    from_left = jnp.diag(present) - follows(stiffness.T * present, rigid.solve_transposed)
     direct = follows(b[0], rigid.solve)
     k, rate = from_left.T @ stiffness @ onto, from_left.T @ damping @ onto
     inertia = factorise(scale[:, None] * mass * scale + jnp.diag(absent))
@@ -99,7 +99,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     return EnergyForm(jnp.concatenate([upper, lower]), jnp.concatenate([jump, driven]), sensed, passed, rough)
 
 
-def _beside_what_follows(
+def _beyond_rest_motion(
     b: Float[Array, "3 n n_u"],
     c: Float[Array, "3 n_y n"],
     d: Float[Array, "3 n_y n_u"],
@@ -124,14 +124,14 @@ def _beside_what_follows(
     size = jnp.abs(follows)
     unsure = by_parts[0] @ size + by_inputs[0]
 
-    def left(total: Array, moved: Array, terms: Array, beside: Array):
+    def beyond_round_off(total: Array, moved: Array, terms: Array, beside: Array):
         allowed = NEGLIGIBLE_TERM * (jnp.abs(moved) @ size + jnp.abs(beside))
         return jnp.where(jnp.abs(total) > allowed + BOUNDED_ROUND_OFF * (terms + jnp.abs(moved) @ unsure), total, 0.0)
 
     moved = jnp.stack(parts)
-    b = left(b - moved @ follows, moved, by_parts @ size + by_inputs, b)
+    b = beyond_round_off(b - moved @ follows, moved, by_parts @ size + by_inputs, b)
     noted = jnp.abs(c) @ size + jnp.abs(d)
-    seen = left(c @ follows + d, c, by_outputs @ size, d)
+    seen = beyond_round_off(c @ follows + d, c, by_outputs @ size, d)
     rank = np.asarray(orders)
     drifts = jnp.zeros(d.shape[1:], bool)
     for k in range(2):
@@ -164,20 +164,20 @@ class Controller(NamedTuple):
     by_frequency: Callable[[Any], Any]
 
 
-def controller_of(
+def feedback_controller(
     given: Any, measured: Any, driven: Any, outputs: Sequence[str], inputs: Sequence[str], sign: float
 ) -> Controller:
     """Controller from a control.LTI, (A, B, C, D), gains, or a function of frequencies; raise for wrong ones.
 
     ``measured`` and ``driven`` name outputs and inputs; None for the names of the controller's signals, or all.
     """
-    shape, labels, matrices, respond = _told(given)
+    shape, labels, matrices, respond = _controller_parts(given)
     places = []
     for kind, names, all_of, count, own_names in (
         ("measured", measured, outputs, shape and shape[1], labels and labels[0]),
         ("driven", driven, inputs, shape and shape[0], labels and labels[1]),
     ):
-        what = "output" if kind == "measured" else "input"
+        side = "output" if kind == "measured" else "input"
         if names is None:
             known = {name.replace(".", " ") for name in all_of}
             names = (
@@ -186,17 +186,17 @@ def controller_of(
         names = [names] if isinstance(names, str) else list(names)
         if count is not None and len(names) != count:
             raise ValueError(
-                f"The controller has {count} {'inputs' if what == 'output' else 'outputs'}, but the mechanism has"
-                f" {len(names)} {what}s. Choose some by `{kind}`, of: {', '.join(all_of)}."
+                f"The controller has {count} {'inputs' if side == 'output' else 'outputs'}, but the mechanism has"
+                f" {len(names)} {side}s. Choose some by `{kind}`, of: {', '.join(all_of)}."
             )
-        places.append(tuple(one_of(what, all_of, name) for name in names))
+        places.append(tuple(place_of_name(side, all_of, name) for name in names))
     sizes = (len(places[1]), len(places[0]))
     if matrices is not None:
         a, b, c, d = matrices
         matrices = (a, b, sign * c, sign * d)
 
     def by_frequency(hertz: Float[Array | np.ndarray, "n_f"]):
-        gain: Any = respond(hertz) if matrices is None else _of_states(matrices, hertz)
+        gain: Any = respond(hertz) if matrices is None else _state_response(matrices, hertz)
         gain = np.asarray(gain, complex) if is_concrete(gain) else gain.astype(complex)
         if gain.ndim == 1 and sizes == (1, 1):
             gain = gain[:, None, None]
@@ -210,48 +210,56 @@ def controller_of(
     return Controller(places[0], places[1], matrices, by_frequency)
 
 
-def _told(given: Any) -> tuple[Any, Any, Any, Any]:
+def _controller_parts(controller: Any) -> tuple[Any, Any, Any, Any]:
     """Shape (outputs, inputs) and labels if known, matrices or a function of frequencies."""
-    if type(given).__module__.split(".")[0] == "control":
+    if type(controller).__module__.split(".")[0] == "control":
         import control
 
-        if getattr(given, "isdtime", lambda **_: False)(strict=True):
+        if getattr(controller, "isdtime", lambda **_: False)(strict=True):
             raise ValueError(
                 "A sampled controller has no response to continuous noise. Give the continuous controller that it is"
                 " made from."
             )
-        labels = list(given.input_labels), list(given.output_labels)
-        shape = given.noutputs, given.ninputs
-        if isinstance(given, control.FrequencyResponseData):
+        labels = list(controller.input_labels), list(controller.output_labels)
+        shape = controller.noutputs, controller.ninputs
+        if isinstance(controller, control.FrequencyResponseData):
             return (
                 shape,
                 labels,
                 None,
-                lambda hertz: np.moveaxis(np.asarray(given(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
+                lambda hertz: np.moveaxis(np.asarray(controller(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
             )
-        own: Any = control.ss(given)
-        return shape, labels, tuple(as_reals("The controller", part) for part in (own.A, own.B, own.C, own.D)), None
-    if callable(given):
-        return None, None, None, given
-    if isinstance(given, tuple) and len(given) == 4:
-        a, b, c, d = (jnp.atleast_2d(as_reals("The controller", part)) for part in given)
+        state_space: Any = control.ss(controller)
+        return (
+            shape,
+            labels,
+            tuple(
+                as_reals("The controller", part)
+                for part in (state_space.A, state_space.B, state_space.C, state_space.D)
+            ),
+            None,
+        )
+    if callable(controller):
+        return None, None, None, controller
+    if isinstance(controller, tuple) and len(controller) == 4:
+        a, b, c, d = (jnp.atleast_2d(as_reals("The controller", part)) for part in controller)
         n = a.shape[0]
         d_shape = (c.shape[0], b.shape[1])
         if a.shape != (n, n) or b.shape[0] != n or c.shape[1] != n or d.shape != d_shape:
             raise ValueError("The matrices A, B, C and D of the controller have sizes that do not agree.")
         return d.shape, None, (a, b, c, d), None
-    if (array := numbers(given)) is not None and array.ndim in (0, 2):
+    if (array := numbers(controller)) is not None and array.ndim in (0, 2):
         d = jnp.atleast_2d(jnp.asarray(array, float))
         none = jnp.zeros((0, 0)), jnp.zeros((0, d.shape[1])), jnp.zeros((d.shape[0], 0)), d
         return d.shape, None, none, None
     raise TypeError(
         "A controller is a system of python-control, a tuple of A, B, C and D, gains (n_driven, n_measured), or a"
-        f" function of frequencies, not {shown(given)}."
+        f" function of frequencies, not {short_repr(controller)}."
     )
 
 
 @jit
-def _of_states(matrices: Any, hertz: Float[Array, "n_f"]) -> Complex[Array, "n_f i j"]:
+def _state_response(matrices: Any, hertz: Float[Array, "n_f"]) -> Complex[Array, "n_f i j"]:
     a, b, c, d = (part.astype(complex) for part in matrices)
     n = a.shape[0]
     direct = jnp.broadcast_to(d, (len(hertz), *d.shape))
@@ -283,7 +291,7 @@ def closed(
     around = jnp.eye(len(ds)) - dk @ dd[ms]
     by_z, by_x, by_w = (jnp.linalg.solve(around, part) for part in (dk @ c[ms], ck, dk @ read))
     seen = dd[ms]
-    whole = jnp.concatenate(
+    system_matrix = jnp.concatenate(
         [
             jnp.concatenate([a + bd @ by_z, bd @ by_x], axis=1),
             jnp.concatenate([bk @ (c[ms] + seen @ by_z), ak + bk @ seen @ by_x], axis=1),
@@ -294,7 +302,11 @@ def closed(
     # If a sensor's signal is not known, neither is the loop.
     lost = rough[:, w] | jnp.any(rough[ms][:, w], axis=0) | jnp.any(rough[ms][:, ds])
     return EnergyForm(
-        whole, enters, leaves, dw + dd @ by_w, jnp.concatenate([lost, jnp.zeros((len(c), len(sensed)), bool)], axis=1)
+        system_matrix,
+        enters,
+        leaves,
+        dw + dd @ by_w,
+        jnp.concatenate([lost, jnp.zeros((len(c), len(sensed)), bool)], axis=1),
     )
 
 

@@ -11,11 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Complex, Float
 
-from ..arguments import check_choice, check_numbers, is_concrete, shown, undifferentiated
+from ..arguments import check_choice, check_numbers, is_concrete, short_repr, undifferentiated
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, Summary, listed, short, span
-from ..errors import ModelError, clean, warn
+from ..errors import ModelError, printable, warn
 from ..linear.about import Where, asked_about
 from ..linear.damping import Losses, loss_factors
 from ..linear.linearize import Linearization, ManyStates
@@ -29,7 +29,7 @@ from ..statics.stable import is_unstable, unstable_motions
 from .harmonic import response_by_elements, response_by_freedoms
 from .second_order_form import orders_of, second_order
 from .state_space import refuse_idle_inputs
-from .universal_file import Responses, read, write
+from .universal_file import Responses, read_responses, write_responses
 
 
 class FrequencyResponse(Labelled, Record):
@@ -61,7 +61,7 @@ class FrequencyResponse(Labelled, Record):
         Raises:
             KeyError: The output or the input is unknown, or there are several and none is named.
         """
-        i, j = one_of("output", self.outputs, output), one_of("input", self.inputs, input)
+        i, j = place_of_name("output", self.outputs, output), place_of_name("input", self.inputs, input)
         return self.response[..., i, j]
 
     def magnitude(self, output: str | None = None, input: str | None = None) -> Float[Array, "n_f"]:
@@ -85,7 +85,7 @@ class FrequencyResponse(Labelled, Record):
         over = ("frequency", "output", "input")
         names = {"output": self.outputs, "input": self.inputs}
         along = {"frequency": Column(("frequency",), self.hertz, "Hz")}
-        along |= {name: Column((name,), np.array(own)) for name, own in names.items()}
+        along |= {name: Column((name,), np.array(signal_names)) for name, signal_names in names.items()}
         return Quantities(over[:1], along, {"response": Column(over, self.response, self._units())})
 
     def _units(self) -> Any:
@@ -114,7 +114,7 @@ class FrequencyResponse(Labelled, Record):
         """
         if Path(path).suffix == ".csv":
             return self._write_columns(path)
-        held = Responses(
+        responses = Responses(
             np.asarray(self.hertz),
             np.asarray(self.response),
             self.outputs,
@@ -122,7 +122,7 @@ class FrequencyResponse(Labelled, Record):
             self.output_ports,
             self.input_ports,
         )
-        write(held, path)
+        write_responses(responses, path)
 
     def _write_columns(self, path: str | os.PathLike) -> None:
         names, columns = ["hertz"], [np.asarray(self.hertz)]
@@ -152,9 +152,11 @@ class FrequencyResponse(Labelled, Record):
                 input is missing.
             OSError: The file cannot be read.
         """
-        held = read(path)
-        numbers = jnp.asarray(held.hertz), jnp.asarray(held.response)
-        return FrequencyResponse(*numbers, held.outputs, held.inputs, held.output_ports, held.input_ports)
+        responses = read_responses(path)
+        numbers = jnp.asarray(responses.hertz), jnp.asarray(responses.response)
+        return FrequencyResponse(
+            *numbers, responses.outputs, responses.inputs, responses.output_ports, responses.input_ports
+        )
 
     def summary(self) -> Summary:
         """Return frequencies and names, and the frequency at which each response is largest."""
@@ -177,7 +179,7 @@ def ratio(unit: str, of: str) -> str:
     return "1" if unit == of else f"{unit}/{per}"
 
 
-def one_of(kind: str, known: Sequence[str], name: str | None) -> int:
+def place_of_name(kind: str, known: Sequence[str], name: str | None) -> int:
     """Place of a name, None if there is only one; a blank matches a dot, as in python-control."""
     if name is None and len(known) == 1:
         return 0
@@ -185,19 +187,19 @@ def one_of(kind: str, known: Sequence[str], name: str | None) -> int:
         for i, existing in enumerate(known):
             if name in (existing, existing.replace(".", " ")):
                 return i
-    asked = "Choose one" if name is None else f"There is no {kind} '{clean(name)}'"
+    asked = "Choose one" if name is None else f"There is no {kind} '{printable(name)}'"
     raise KeyError(f"{asked}: the {kind}s are {', '.join(known)}.")
 
 
-def places_of(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
+def places_of_names(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
     """Places of the wanted names, in their order; by default all."""
     if not known:
         raise ModelError(f"A response needs an {kind}. Name it with {kind}() of the builder.")
     if wanted is None:
         return list(range(len(known)))
     if not isinstance(wanted, Iterable):
-        raise TypeError(f"Argument `{kind}s` must be a name or a list of names, not {shown(wanted)}.")
-    places = [one_of(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
+        raise TypeError(f"Argument `{kind}s` must be a name or a list of names, not {short_repr(wanted)}.")
+    places = [place_of_name(kind, known, name) for name in ([wanted] if isinstance(wanted, str) else wanted)]
     if not places or len(set(places)) < len(places):
         raise ValueError(f"Argument `{kind}s` must name {kind}s, each once. There are: {', '.join(known)}.")
     return places
@@ -275,13 +277,13 @@ def frequency_response(
     lin = asked_about(model, "frequency_response", where, asked_solver(sparse, solver), few=method != "modes")
     answer = response_of(lin, frequencies, inputs, outputs, loss_factor, method)
     if is_concrete((lin, answer)):
-        _tell_of_infinite(answer)
+        _warn_infinite(answer)
         m = lin.matrices
         if lin.large:
             unstable = is_unstable(jax.tree.map(np.asarray, lin.elements), m.symmetric)
         else:
             unstable = m.moving is None and unstable_motions(m.K0 + m.G0, m.K0, m.symmetric).shape[1] > 0
-        _tell_of_unstable(unstable)
+        _warn_unstable(unstable)
     return answer
 
 
@@ -290,8 +292,8 @@ def response_of(
 ) -> FrequencyResponse:
     """:func:`frequency_response` of a linearisation, without warnings."""
     m, labels = lin.matrices, lin.labels
-    us = tuple(places_of("input", [s.name for s in labels.inputs], inputs))
-    ys = tuple(places_of("output", [s.name for s in labels.outputs], outputs))
+    us = tuple(places_of_names("input", [s.name for s in labels.inputs], inputs))
+    ys = tuple(places_of_names("output", [s.name for s in labels.outputs], outputs))
     rests = m.symmetric and m.moving is None
     if method == "modes":
         if lin.large:
@@ -305,14 +307,14 @@ def response_of(
         losses = None if losses is None else loss_factors(lin, losses)
         responses = jax.device_put(response_by_elements(lin, hertz, us, ys, losses))
     else:
-        whole = second_order(lin)
+        form = second_order(lin)
         refuse_negative_mass(lin)
-        known = undifferentiated((lin, whole))
+        known = undifferentiated((lin, form))
         if is_concrete(known):
             refuse_idle_inputs(*known)
         _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
         losses = None if losses is None else loss_factors(lin, losses)
-        responses, result = response_by_freedoms(lin, whole, hertz, us, ys, losses, method != "direct" and rests)
+        responses, result = response_by_freedoms(lin, form, hertz, us, ys, losses, method != "direct" and rests)
         check_spectrum(result, True, lin)
         responses = or_nan(responses, result)
     outputs, inputs = [labels.outputs[i] for i in ys], [labels.inputs[j] for j in us]
@@ -335,22 +337,22 @@ def _check_rest(hertz: Any, rates: list[str]) -> None:
         )
 
 
-def _tell_of_infinite(found: FrequencyResponse) -> None:
+def _warn_infinite(result: FrequencyResponse) -> None:
     """Warn of infinite responses, by the first."""
-    infinite = np.argwhere(~np.isfinite(np.asarray(found.response)))
+    infinite = np.argwhere(~np.isfinite(np.asarray(result.response)))
     if len(infinite):
         f, i, j = infinite[0]
-        hertz = float(found.hertz[f])
+        hertz = float(result.hertz[f])
         remedy = "Damp it (fm.damped, or `loss_factor`) or leave that frequency out."
         if hertz == 0:
             remedy = "A motion has no stiffness. Support it, or leave 0 Hz out."
         warn(
-            f"The response of '{found.outputs[i]}' to '{found.inputs[j]}' is infinite at {hertz:.6g} Hz, an undamped"
+            f"The response of '{result.outputs[i]}' to '{result.inputs[j]}' is infinite at {hertz:.6g} Hz, an undamped"
             f" resonance. {remedy}"
         )
 
 
-def _tell_of_unstable(unstable: bool) -> None:
+def _warn_unstable(unstable: bool) -> None:
     """Warn of a response about an unstable equilibrium."""
     if unstable:
         collect(RESULTS.unstable_state)

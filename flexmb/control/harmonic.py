@@ -13,10 +13,10 @@ from jaxtyping import Array, Complex, Float
 from ..arguments import as_known, library_of
 from ..compilation.compile import jit
 from ..linear.linearize import Linearization, Matrices
-from ..linear.sparse_solve import on_host
+from ..linear.sparse_solve import call_on_host
 from ..linear.spectrum import shift_to_definite
-from ..math.by_deformations import forces, product, refined
-from ..math.element_matrices import ElementMatrices, Whole
+from ..math.by_deformations import forces, refined_solution, saddle_product
+from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import diagonal_of, pencil
 from ..numerical_limits import (
     COUPLED_BY_ROUND_OFF,
@@ -31,18 +31,18 @@ from ..results import RESULTS
 from .second_order_form import SecondOrder, large_second_order, lossy_elements, second_order
 
 
-def plain(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
+def plain_arrays(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
     """Second-order form with arrays only, and the orders of derivatives of the inputs."""
     none = np.zeros(0)
     return whole._replace(orders=none, moves=none), tuple(int(order) for order in whole.orders)
 
 
-def _of(whole: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
+def _selected(form: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
     """The form of some inputs and outputs."""
     u, y = np.array(us), np.array(ys)
-    parts = {f"B{i}": getattr(whole, f"B{i}")[:, u] for i in range(3)}
-    parts |= {f"C{i}": getattr(whole, f"C{i}")[y] for i in range(3)}
-    return whole._replace(**parts, **{f"D{i}": getattr(whole, f"D{i}")[y[:, None], u] for i in range(3)})
+    parts = {f"B{i}": getattr(form, f"B{i}")[:, u] for i in range(3)}
+    parts |= {f"C{i}": getattr(form, f"C{i}")[y] for i in range(3)}
+    return form._replace(**parts, **{f"D{i}": getattr(form, f"D{i}")[y[:, None], u] for i in range(3)})
 
 
 def response_by_freedoms(
@@ -55,7 +55,7 @@ def response_by_freedoms(
     by_modes: bool,
 ):
     """H(i 2 pi f) of a mechanism in second-order form, (n_f, n_y, n_u), and a code of RESULTS."""
-    whole, orders = plain(whole)
+    whole, orders = plain_arrays(whole)
     lossy = None if losses is None else _with_losses(lin, losses)
     return _response(whole, lossy, hertz, us=us, ys=ys, orders=orders, by_modes=by_modes)
 
@@ -73,22 +73,22 @@ def _response(
 ):
     """H(i 2 pi f), (n_f, n_y, n_u), and a code of RESULTS."""
     w = 2 * np.pi * hertz
-    system = _of(system, us, ys)
+    system = _selected(system, us, ys)
     loss, of_loss = jnp.zeros_like(system.K), None
     if lossy is not None:
         # Geometric stiffness and inertia do not depend on the elements' stiffness; the difference is linear in it.
-        with_it, without = (_of(form, us, ys) for form in lossy)
+        with_it, without = (_selected(form, us, ys) for form in lossy)
         of_loss = jax.tree.map(lambda a, b: a - b, with_it, without)
         loss = of_loss.K
     by_inputs, by_outputs, through = _polynomials(system, of_loss)
     parts = (system.M, system.C, system.K, loss)
-    factors, found = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
+    factors, definite = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
     responses = _integrated(responses, w, np.asarray(orders)[np.array(us)])
     # A division by zero is infinite; all is NaN for a state that was not found.
     known = jnp.all(jnp.isfinite(system.M)) & jnp.all(jnp.isfinite(system.K))
     responses = jnp.where(jnp.isfinite(jnp.abs(responses)) | ~known, responses, jnp.inf + 0j)
-    return responses, jnp.where(found, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
+    return responses, jnp.where(definite, RESULTS.successful, RESULTS.singular_stiffness).astype(jnp.int32)
 
 
 def _integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"], orders: Any) -> Any:
@@ -108,7 +108,7 @@ def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[Secon
     none = {name: np.zeros(m.K0.shape) for name in ("M0", "C0", "D0", "K0", "N0", "G0")} | {"S_d": np.zeros(m.S.shape)}
 
     def form(**parts: Any):
-        return plain(second_order(Linearization(dataclasses.replace(m, **{**none, **parts}), lin.model)))[0]
+        return plain_arrays(second_order(Linearization(dataclasses.replace(m, **{**none, **parts}), lin.model)))[0]
 
     return form(S=lossy, K0=k), form(S=np.zeros(m.S.shape))
 
@@ -150,10 +150,10 @@ def _modal_factors(
     With this scale, motions without mass are modes of zero mass, and the sum includes the whole flexibility.
     """
     m, c, k, loss = (jax.lax.stop_gradient(part) for part in (m, c, k, loss))
-    shift, _, found = shift_to_definite(k, m)
+    shift, _, definite = shift_to_definite(k, m)
     mu, vectors = _refined(m, k + shift * m, *pencil(m, k + shift * m))
     damping, losses = vectors.T @ c @ vectors, vectors.T @ loss @ vectors
-    return (mu, shift * mu, vectors, damping, losses), found
+    return (mu, shift * mu, vectors, damping, losses), definite
 
 
 def _refined(
@@ -168,8 +168,8 @@ def _refined(
     of_a, of_b = vectors.T @ a @ vectors, vectors.T @ b @ vectors
     values = diagonal_of(of_a) / diagonal_of(of_b)
     gap = values[None, :] - values[:, None]
-    apart = jnp.abs(gap) > SAME_MODE * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
-    turned = jnp.where(apart, (of_a - values[None, :] * of_b) / jnp.where(apart, gap, 1.0), 0.0)
+    separated = jnp.abs(gap) > SAME_MODE * jnp.maximum(jnp.abs(values)[None, :], jnp.abs(values)[:, None])
+    turned = jnp.where(separated, (of_a - values[None, :] * of_b) / jnp.where(separated, gap, 1.0), 0.0)
     # Modes of one frequency may have any direction; they stay, like modes that round-off does not separate, as of
     # motions almost without mass.
     turned = jnp.where(jnp.maximum(jnp.abs(turned), jnp.abs(turned.T)) < TURN_OF_MODES, turned, 0.0)
@@ -181,8 +181,10 @@ def _refined(
 
 
 def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
-    own = jnp.abs(diagonal_of(matrix))
-    allowed = COUPLED_MODES * jnp.sqrt(own[:, None] * own) + COUPLED_BY_ROUND_OFF * jnp.max(own, initial=0.0)
+    diagonal = jnp.abs(diagonal_of(matrix))
+    allowed = COUPLED_MODES * jnp.sqrt(diagonal[:, None] * diagonal) + COUPLED_BY_ROUND_OFF * jnp.max(
+        diagonal, initial=0.0
+    )
     return jnp.any((jnp.abs(matrix) > allowed) & ~np.eye(len(matrix), dtype=bool))
 
 
@@ -210,7 +212,7 @@ def _transfer(
         m, c, k, loss = (part * scale[:, None] * scale for part in (m, c, k, loss))
         units = scale.astype(complex)
         right, left = _expanded(w, by_inputs) * units[:, None], _expanded(w, by_outputs) * units
-        return _solved_each(w, k, m, c, loss, right, left)
+        return _solved_by_frequency(w, k, m, c, loss, right, left)
     mu, shifted, vectors, damping, losses = factors
     vectors = vectors.astype(complex)
     coupled = _is_coupled(damping) | _is_coupled(losses)
@@ -221,14 +223,14 @@ def _transfer(
     def solved():
         right, left = (_expanded(w, polynomial) for polynomial in (by_inputs, by_outputs))
         stiffness, mass = jnp.diag(1 - shifted), jnp.diag(mu)
-        return _solved_each(w, stiffness, mass, damping, losses, vectors.T @ right, left @ vectors)
+        return _solved_by_frequency(w, stiffness, mass, damping, losses, vectors.T @ right, left @ vectors)
 
     return jax.lax.cond(coupled, solved, summed)
 
 
-def _expanded(w: Float[Array, "n_f"], given: Complex[Array, "3 i j"] | tuple[Array]):
+def _expanded(w: Float[Array, "n_f"], polynomial: Complex[Array, "3 i j"] | tuple[Array]):
     """One matrix for each frequency, of a polynomial or of such matrices."""
-    return given[0] if isinstance(given, tuple) else _at(w, given)
+    return polynomial[0] if isinstance(polynomial, tuple) else _at(w, polynomial)
 
 
 def _sum_over_modes(
@@ -261,7 +263,7 @@ def _sum_over_modes(
     return jnp.where(unbounded, jnp.inf + 0j, responses).reshape(len(w), n_y, n_u)
 
 
-def _solved_each(
+def _solved_by_frequency(
     w: Float[Array, "n_f"],
     k: Float[Array, "n n"],
     m: Float[Array, "n n"],
@@ -288,23 +290,23 @@ def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     every = (jnp.broadcast_to(jnp.eye(n, dtype=complex), (len(w), n, n)),)
     right, left = (_expanded(w, polynomial) for polynomial in (by_inputs, by_outputs))
     moved = _transfer(factors, w, parts, (right,), every)
-    felt = _transfer(factors, w, parts, every, (left,))
+    adjoint = _transfer(factors, w, parts, every, (left,))
     responses = left @ moved
-    one, s, s2 = (power[:, None, None] for power in _powers(w))
+    unity, s, s2 = (power[:, None, None] for power in _powers(w))
     of_z = sum(
-        change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, one), (dloss, 1j))
+        change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, unity), (dloss, 1j))
     )
     m, c = (part.astype(complex) for part in parts[:2])
     turned = (1j * dw.astype(complex))[:, None, None]
     of_z = of_z + turned * ((2 * s * m + c) @ moved)
-    change = -felt @ of_z
+    change = -adjoint @ of_z
 
     def moves(polynomial: Complex[Array, "3 i j"] | tuple[Array], d_polynomial: Any):
         if isinstance(polynomial, tuple):
             return d_polynomial[0]
         return _at(w, d_polynomial) + turned * (polynomial[1] + 2 * s * polynomial[2])
 
-    change = change + moves(by_outputs, d_outputs) @ moved + felt @ moves(by_inputs, d_inputs)
+    change = change + moves(by_outputs, d_outputs) @ moved + adjoint @ moves(by_inputs, d_inputs)
     return responses, change
 
 
@@ -351,7 +353,7 @@ def solutions(
     (n_f, n_y, n_u), infinite there.
     """
     like = jax.ShapeDtypeStruct(_shape(elements, w, b, c, only_responses), complex)
-    return on_host(functools.partial(_solved_on_host, only_responses=only_responses), like, elements, w, b, c)
+    return call_on_host(functools.partial(_solved_on_host, only_responses=only_responses), like, elements, w, b, c)
 
 
 def _shape(elements: ElementMatrices, w: Any, b: Any, c: Any, only_responses: bool) -> tuple[int, int, int]:
@@ -363,21 +365,21 @@ def _shape(elements: ElementMatrices, w: Any, b: Any, c: Any, only_responses: bo
 def _solved_on_host(elements: ElementMatrices, w: np.ndarray, b: np.ndarray, c: np.ndarray, *, only_responses: bool):
     """:func:`solutions` of known numbers, by NumPy and SciPy alone."""
     shape = _shape(elements, w, b, c, only_responses)
-    whole, rows, answer = Whole(elements), sum(elements.unknowns), np.full(shape, np.inf + 0j)
+    assembled, rows, answer = AssembledEquations(elements), sum(elements.unknowns), np.full(shape, np.inf + 0j)
     for i, s in enumerate(1j * w):
         powers = s ** np.arange(3)
         right = np.tensordot(powers, b, 1)[elements.free]
         left = np.tensordot(powers, c, 1)[:, elements.free]
-        factors = whole.factors(whole.at_frequency(s))
+        factors = assembled.factors(assembled.at_frequency(s))
         if not factors.regular:
             answer[i] = np.inf if only_responses else 0.0
             continue
-        rest = rows - whole.n
-        moved = _solution(elements, factors, s, np.pad(right, ((0, rest), (0, 0))))
+        n_multipliers = rows - assembled.n
+        moved = _solution(elements, factors, s, np.pad(right, ((0, n_multipliers), (0, 0))))
         if only_responses:
-            answer[i] = left @ moved[: whole.n]
+            answer[i] = left @ moved[: assembled.n]
             continue
-        sensed = _solution(elements, factors, s, np.pad(left.T, ((0, rest), (0, 0))), transposed=True)
+        sensed = _solution(elements, factors, s, np.pad(left.T, ((0, n_multipliers), (0, 0))), transposed=True)
         answer[i] = np.concatenate([moved, sensed], axis=1)
     return answer
 
@@ -389,7 +391,7 @@ def _solution(elements: ElementMatrices, factors: Any, s: complex, right: np.nda
         return forces(elements, z, transposed, s)
 
     sizes = elements.sizes[elements.free]
-    return refined(exact, lambda left: factors.solve(left, transposed), right, sizes, RESONANT_SOLUTION)
+    return refined_solution(exact, lambda left: factors.solve(left, transposed), right, sizes, RESONANT_SOLUTION)
 
 
 @jit
@@ -408,7 +410,7 @@ def _by_solutions(
         powers = _powers(at[0])
         right = jnp.tensordot(powers, b, 1)[elements.free]
         left = jnp.tensordot(powers, c, 1)[:, elements.free]
-        balance = product(elements, x, None, s)
+        balance = saddle_product(elements, x, None, s)
         out_of_balance = jnp.concatenate([right - balance[:n], -balance[n:]])
         return left @ x[:n] + y.T @ out_of_balance
 

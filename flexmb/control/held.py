@@ -24,7 +24,7 @@ from ..motion.element_forces import Moving, force_derivatives, prepared_blocks
 from ..numerical_limits import ENTRY_ROUND_OFF
 
 
-class Held(NamedTuple):
+class ConstrainedCoordinate(NamedTuple):
     """A held coordinate, rotation about an axis, or deformation.
 
     Attributes:
@@ -40,27 +40,29 @@ class Held(NamedTuple):
     local: bool
 
 
-def held_by(signals: tuple[Signal, ...]) -> tuple[Held, ...]:
+def constrained_by(signals: tuple[Signal, ...]) -> tuple[ConstrainedCoordinate, ...]:
     """Held coordinates that inputs move, or whose forces outputs measure, each once, in their order."""
     held = [s for s in signals if s.held and (s.order is not None or s.quantity in ("reaction", "stress"))]
-    return tuple(dict.fromkeys(map(held_of, held)))
+    return tuple(dict.fromkeys(map(constrained_of, held)))
 
 
-def held_of(signal: Signal) -> Held:
+def constrained_of(signal: Signal) -> ConstrainedCoordinate:
     """Held coordinate that a signal moves, or whose force it measures."""
-    return Held(signal.of_element, signal.index, signal.axis, signal.local)
+    return ConstrainedCoordinate(signal.of_element, signal.index, signal.axis, signal.local)
 
 
-def moved_by(causes: tuple[Signal, ...], held: tuple[Held, ...]) -> np.ndarray:
+def moved_by(causes: tuple[Signal, ...], held: tuple[ConstrainedCoordinate, ...]) -> np.ndarray:
     """Which held coordinate each input moves, (held, inputs)."""
     motions = np.zeros((len(held), len(causes)))
     for j, s in enumerate(causes):
         if s.order is not None:
-            motions[held.index(held_of(s)), j] = 1.0
+            motions[held.index(constrained_of(s)), j] = 1.0
     return motions
 
 
-def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tuple[Held, ...]) -> Matrices:
+def with_constrained(
+    topology: Topology, parameters: Parameters, m: Matrices, held: tuple[ConstrainedCoordinate, ...]
+) -> Matrices:
     """Linearised equations in the degrees of freedom, then in held coordinates, about any state.
 
     The degrees of freedom stay constant when held coordinates move. The force on held coordinates is M0 qdd + (C0 + D0)
@@ -68,9 +70,9 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     """
     if not held:
         return m
-    near = jax.lax.stop_gradient(m.e)
+    last_strain = jax.lax.stop_gradient(m.e)
     n, x = m.M0.shape[0], m.x
-    _, jacobian = deformation_jacobian(topology, parameters, x, near)
+    _, jacobian = deformation_jacobian(topology, parameters, x, last_strain)
     tangent = transfer(topology, jacobian)
     seed_x, seed_e = seeds(topology, x, held)
 
@@ -79,8 +81,8 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
         return jax.vmap(lambda e, x: correction(topology, tangent, e, x), (1, 1), 1)(excess, shift)
 
     moved = answer(jacobian @ seed_x - seed_e, seed_x)
-    given = topology.e.given
-    deformed = put(jacobian @ moved, given, seed_e[given])
+    independent = topology.e.given
+    deformed = put(jacobian @ moved, independent, seed_e[independent])
     z, dfe = jnp.concatenate([m.DFx, moved], axis=1), jnp.concatenate([m.DFe, deformed], axis=1)
     loads = load_stiffness(topology, without_gravity(parameters, increment=True), _factors(m), x)
     if m.felt.gravity is not None:
@@ -90,13 +92,13 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     # The force on held deformations is their total stress resultant, which includes the stress of their stiffness.
     stiffness, damping = (put(matrix, topology.e.held, 0.0) for matrix in (m.S, m.S_d))
     moving, velocity, dynamic = None, jnp.zeros((z.shape[1],) * 2), jnp.zeros((z.shape[1],) * 2)
-    curvature = deformation_curvature(topology, parameters, x, near, m.sigma)
+    curvature = deformation_curvature(topology, parameters, x, last_strain, m.sigma)
     if m.moving is None:
         mass = mass_matrix(topology, parameters, x)
     else:
         v, a = m.moving.xd, m.moving.xdd
         elements = prepared_blocks(topology, parameters)
-        by_x = force_derivatives(elements, Moving(x, v, a, near), None, lambda e, ed: m.sigma)
+        by_x = force_derivatives(elements, Moving(x, v, a, last_strain), None, lambda e, ed: m.sigma)
         mass, still = by_x.mass, jnp.zeros_like(z)
         rates = by_x.ed @ z
         turning = answer(rates, still)
@@ -110,9 +112,9 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
     geometric = z.T @ (curvature - loads) @ z + about_axes(m, held, n)
     structural = dfe.T @ stiffness @ dfe
 
-    def joined(own: Float[Array, "n n"], whole: Float[Array, "w w"]):
+    def joined(by_freedoms: Float[Array, "n n"], extended: Float[Array, "w w"]):
         """The matrix with the known part of the degrees of freedom."""
-        return whole.at[:n, :n].set(own)
+        return extended.at[:n, :n].set(by_freedoms)
 
     k0, n0, g0 = joined(m.K0, _exact(structural)), joined(m.N0, dynamic), joined(m.G0, geometric)
     k = k0 + n0 + g0
@@ -133,20 +135,20 @@ def with_held(topology: Topology, parameters: Parameters, m: Matrices, held: tup
 
 
 def seeds(
-    topology: Topology, x: Float[Array, "n_x"], held: tuple[Held, ...]
+    topology: Topology, x: Float[Array, "n_x"], held: tuple[ConstrainedCoordinate, ...]
 ) -> tuple[Float[Array, "n_x k"], Float[Array, "n_e k"]]:
     """Changes of held coordinates and deformations by a unit of each."""
     library = library_of(x)
     seed_x, seed_e = library.zeros((topology.n_x, len(held))), library.zeros((topology.n_e, len(held)))
-    for i, each in enumerate(held):
-        if each.of_element:
-            seed_e = put(seed_e, (each.at, i), 1.0)
-        elif each.axis is None:
-            seed_x = put(seed_x, (each.at, i), 1.0)
+    for i, coordinate in enumerate(held):
+        if coordinate.of_element:
+            seed_e = put(seed_e, (coordinate.at, i), 1.0)
+        elif coordinate.axis is None:
+            seed_x = put(seed_x, (coordinate.at, i), 1.0)
         else:
-            euler = each.at + np.arange(4)
+            euler = coordinate.at + np.arange(4)
             # d(lambda)/dt = Lbar^T omega / 2, the inverse of omega = 2 Lbar d(lambda)/dt.
-            seed_x = put(seed_x, (euler, i), rotation_row(x[euler], each.axis, each.local) / 4)
+            seed_x = put(seed_x, (euler, i), rotation_row(x[euler], coordinate.axis, coordinate.local) / 4)
     return seed_x, seed_e
 
 
@@ -167,15 +169,15 @@ def _factors(m: Matrices) -> Any:
     return m.factors
 
 
-def about_axes(m: Any, held: tuple[Held, ...], n: int) -> Float[Array, "w w"]:
+def about_axes(m: Any, held: tuple[ConstrainedCoordinate, ...], n: int) -> Float[Array, "w w"]:
     """Change of moments that hold a turned node, since they are about axes: 2 Lbar(lambda) turns with it."""
     stiffness = library_of((m.x, m.reactions)).zeros((n + len(held), n + len(held)))
-    for i, each in enumerate(held):
+    for i, coordinate in enumerate(held):
         for j, by in enumerate(held):
-            if each.axis is not None and by.axis is not None and each.at == by.at:
-                euler = each.at + np.arange(4)
+            if coordinate.axis is not None and by.axis is not None and coordinate.at == by.at:
+                euler = coordinate.at + np.arange(4)
                 turned = rotation_row(m.x[euler], by.axis, by.local) / 4
-                change = rotation_row(turned, each.axis, each.local) / 4 @ m.reactions[euler]
+                change = rotation_row(turned, coordinate.axis, coordinate.local) / 4 @ m.reactions[euler]
                 stiffness = put(stiffness, (n + i, n + j), change)
     return stiffness
 
@@ -189,9 +191,9 @@ def _beside_elements(
     """
     shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
     # Round-off of no added damping would need a regular stiffness.
-    there = jnp.max(jnp.abs(added), initial=0.0) > 10 * ENTRY_ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
-    factors = factorise(jnp.where(there, m.K + shift * m.M0, jnp.eye(len(added))))
-    added = jnp.where(there, added, 0.0)
+    has_added = jnp.max(jnp.abs(added), initial=0.0) > 10 * ENTRY_ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
+    factors = factorise(jnp.where(has_added, m.K + shift * m.M0, jnp.eye(len(added))))
+    added = jnp.where(has_added, added, 0.0)
     right = jnp.concatenate([jnp.eye(len(added)), factors.solve(by_held)], axis=1)
     left = jnp.concatenate([jnp.eye(len(added)), factors.solve_transposed(of_held.T)], axis=1)
     return left.T @ added @ right

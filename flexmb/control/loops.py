@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_reals, check_number, check_numbers, check_whole, is_concrete, shown
+from ..arguments import as_reals, check_number, check_numbers, check_whole, is_concrete, short_repr
 from ..errors import ModelError
 from ..motion.controlled_form import Feedback
 from ..motion.controllers import Sampled, at_time, controller_of, linear_controller, matrices_of, windup_of
@@ -44,16 +44,16 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     Source:
         THEORY.md 14, eq. (14.41).
     """
-    given = controller_of(controller)
+    feedback = controller_of(controller)
     low, high = _limits(limits)
-    if tracking is None and given.windup is not None:
+    if tracking is None and feedback.windup is not None:
         raise ModelError(
             "The controller has integrators, or its A is traced. Integrators wind up while outputs are limited. Give"
             " `tracking`, the time constant [s] with which they follow the limits, or np.inf."
         )
-    if tracking is not None and given.windup is None:
+    if tracking is not None and feedback.windup is None:
         raise ModelError("Argument `tracking` is for integrators, but the controller has none. Leave it out.")
-    follow = _following(given, tracking)
+    follow = _following(feedback, tracking)
 
     def within(t: Float[Array, ""], u: ArrayLike):
         u = jnp.atleast_1d(as_reals("The controller's output", u, ModelError))
@@ -64,22 +64,22 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     def led_back(t: Float[Array, ""], u: ArrayLike):
         return at_time(follow, t) @ (within(t, u) - jnp.atleast_1d(jnp.asarray(u, float)))
 
-    return _changed(given, within, None if follow is None else led_back)
+    return _changed(feedback, within, None if follow is None else led_back)
 
 
-def _changed(given: Feedback | Sampled, output: Callable, more: Callable | None = None) -> Feedback | Sampled:
+def _changed(feedback: Feedback | Sampled, output: Callable, more: Callable | None = None) -> Feedback | Sampled:
     """A controller with outputs ``output(t, u)``, and ``more(t, u)`` added to the rate, or step, of its states."""
-    if isinstance(given, Sampled):
-        step = given.step
+    if isinstance(feedback, Sampled):
+        step = feedback.step
 
         def changed(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
-            u, then = step(t, z, y)
-            return output(t, u), then if more is None else then + more(t, u)
+            u, next_states = step(t, z, y)
+            return output(t, u), next_states if more is None else next_states + more(t, u)
 
-        return dataclasses.replace(given, step=changed)
-    unchanged, rate = given.output, given.rate
+        return dataclasses.replace(feedback, step=changed)
+    unchanged, rate = feedback.output, feedback.rate
     rates = rate if rate is None or more is None else lambda t, z, y: rate(t, z, y) + more(t, unchanged(t, z, y))
-    return dataclasses.replace(given, output=lambda t, z, y: output(t, unchanged(t, z, y)), rate=rates)
+    return dataclasses.replace(feedback, output=lambda t, z, y: output(t, unchanged(t, z, y)), rate=rates)
 
 
 def _limits(limits: Any) -> tuple[Any, Any]:
@@ -93,16 +93,16 @@ def _limits(limits: Any) -> tuple[Any, Any]:
         )
     low, high = (bounds[:, 0], bounds[:, 1]) if bounds.ndim else (-bounds, bounds)
     if is_concrete(bounds) and not np.all(np.asarray(low) < np.asarray(high)):
-        raise ModelError(f"Argument `limits`: the least must be below the largest, but they are {shown(limits)}.")
+        raise ModelError(f"Argument `limits`: the least must be below the largest, but they are {short_repr(limits)}.")
     return low, high
 
 
-def _following(given: Feedback | Sampled, tracking: Any) -> Any:
+def _following(feedback: Feedback | Sampled, tracking: Any) -> Any:
     """Rate of the states per excess, (n_z, n_u), or a table of it; None for none."""
     if tracking is None or (is_concrete(tracking) and tracking == np.inf):
         return None
     check_number("tracking", tracking, above=0)
-    windup: Any = given.windup
+    windup: Any = feedback.windup
     values = windup.values if isinstance(windup, Table) else windup
     if is_concrete(values) and not np.all(np.isfinite(np.asarray(values))):
         raise ModelError(
@@ -110,7 +110,7 @@ def _following(given: Feedback | Sampled, tracking: Any) -> Any:
             " outputs, or are unknown since A is traced. Give an A of known numbers (NumPy), a Feedback with its own"
             " `windup`, or tracking=np.inf."
         )
-    share = 1 - jnp.exp(-given.period / tracking) if isinstance(given, Sampled) else 1 / jnp.asarray(tracking)
+    share = 1 - jnp.exp(-feedback.period / tracking) if isinstance(feedback, Sampled) else 1 / jnp.asarray(tracking)
     return Table(windup.times, share * windup.values) if isinstance(windup, Table) else share * jnp.asarray(windup)
 
 
@@ -134,20 +134,20 @@ def fed_forward(controller: Any, law: Callable) -> Feedback | Sampled:
     Source:
         Two degrees of freedom: u = law(t) + controller(reference - y), with the nominal inputs of THEORY.md 14 as law.
     """
-    given = controller_of(controller)
+    feedback = controller_of(controller)
     if not callable(law):
-        raise ModelError(f"Argument `law` must be a function of time, such as lambda t: [3.0], not {shown(law)}.")
+        raise ModelError(f"Argument `law` must be a function of time, such as lambda t: [3.0], not {short_repr(law)}.")
 
     def added(t: Float[Array, ""], u: ArrayLike):
-        both = ("The controller's output", u), ("Argument `law`", law(t))
-        u, extra = (jnp.atleast_1d(as_reals(what, part, ModelError)) for what, part in both)
+        parts = ("The controller's output", u), ("Argument `law`", law(t))
+        u, extra = (jnp.atleast_1d(as_reals(label, part, ModelError)) for label, part in parts)
         if extra.shape != u.shape:
             raise ModelError(
                 f"Argument `law` returns shape {extra.shape}, but the controller has {u.shape[0]} outputs."
             )
         return u + extra
 
-    return _changed(given, added)
+    return _changed(feedback, added)
 
 
 def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
@@ -174,7 +174,7 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
     if at.ndim != 1 or at.shape[0] < 2 or (is_concrete(at) and not np.all(np.diff(np.asarray(at)) > 0)):
         raise ModelError("Argument `times` must be ascending, two times at least.")
     if isinstance(controllers, Sequence) and any(map(_is_system, controllers)):
-        return _of_systems(at, controllers)
+        return _scheduled_systems(at, controllers)
     check_numbers("Argument `controllers`", controllers, fault=ModelError)
     gains = jnp.asarray(controllers, float)
     gains = gains[:, None, None] if gains.ndim == 1 else gains
@@ -187,31 +187,31 @@ def scheduled(times: ArrayLike, controllers: Any) -> Feedback | Sampled:
     return Feedback(lambda t, z, y: gain(t) @ y)
 
 
-def _is_system(given: Any) -> bool:
-    return hasattr(given, "D") or hasattr(given, "num")
+def _is_system(controller: Any) -> bool:
+    return hasattr(controller, "D") or hasattr(controller, "num")
 
 
-def _of_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Feedback | Sampled:
+def _scheduled_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Feedback | Sampled:
     """One controller from several linear ones, each at its time."""
     if len(systems) != len(times):
         raise ModelError(f"Argument `controllers` has {len(systems)} systems for {len(times)} times.")
     if not all(map(_is_system, systems)):
         raise ModelError("Argument `controllers` mixes systems and other objects. Give only systems of python-control.")
-    found = [matrices_of(system) for system in systems]
-    alike = {(tuple(np.shape(part) for part in matrices), *rest) for matrices, *rest in found}
+    realisations = [matrices_of(system) for system in systems]
+    alike = {(tuple(np.shape(part) for part in matrices), *properties) for matrices, *properties in realisations}
     if len(alike) > 1:
         raise ModelError(
             "The scheduled systems differ in their numbers of states or signals, their names or their intervals. They"
             " must agree."
         )
-    parts = [Table(times, jnp.stack([jnp.asarray(matrices[i]) for matrices, *_ in found])) for i in range(4)]
-    period = found[0][1]
-    windups = [windup_of(a, c, bool(period)) for (a, _, c, _), *_ in found]
+    parts = [Table(times, jnp.stack([jnp.asarray(matrices[i]) for matrices, *_ in realisations])) for i in range(4)]
+    period = realisations[0][1]
+    windups = [windup_of(a, c, bool(period)) for (a, _, c, _), *_ in realisations]
     windup = None
-    if any(each is not None for each in windups):
-        shape = (np.shape(found[0][0][0])[0], np.shape(found[0][0][2])[0])
+    if any(entry is not None for entry in windups):
+        shape = (np.shape(realisations[0][0][0])[0], np.shape(realisations[0][0][2])[0])
         windup = Table(times, jnp.stack([jnp.zeros(shape) if w is None else jnp.asarray(w) for w in windups]))
-    return linear_controller(parts, period, windup, *found[0][2:])
+    return linear_controller(parts, period, windup, *realisations[0][2:])
 
 
 def delayed(controller: Any, delay: float, *, order: int | None = None) -> "control.StateSpace":
@@ -266,8 +266,8 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
                 f" {period:g} s. Sample more often, or round the delay up."
             )
         shift, ends = np.eye(samples, k=-1), np.eye(max(samples, 1))
-        one = control.ss(shift, ends[:samples, :1], ends[-1:, :samples], [[float(samples == 0)]], period)
-        late = control.append(*[one] * count)
+        delay_line = control.ss(shift, ends[:samples, :1], ends[-1:, :samples], [[float(samples == 0)]], period)
+        late = control.append(*[delay_line] * count)
     else:
         if order is None:
             raise ModelError(
@@ -276,6 +276,8 @@ def delayed(controller: Any, delay: float, *, order: int | None = None) -> "cont
             )
         order = check_whole("order", order, least=1)
         late = control.append(*[control.ss(control.tf(*control.pade(delay, order)))] * count)
-    whole: Any = late * system
-    names: Any = {name: list(own) for name, own in (("inputs", reads), ("outputs", drives)) if own is not None}
-    return control.StateSpace(whole.A, whole.B, whole.C, whole.D, period or 0, **names)
+    delayed_system: Any = late * system
+    names: Any = {name: list(labels) for name, labels in (("inputs", reads), ("outputs", drives)) if labels is not None}
+    return control.StateSpace(
+        delayed_system.A, delayed_system.B, delayed_system.C, delayed_system.D, period or 0, **names
+    )

@@ -8,11 +8,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..arguments import check_numbers, is_concrete, shown
+from ..arguments import check_numbers, is_concrete, short_repr
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, Summary, listed, short, span
-from ..errors import AnalysisError, ModelError, clean, warn
+from ..errors import AnalysisError, ModelError, printable, warn
 from ..linear.about import Where, linearized
 from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_without_anything
@@ -22,10 +22,17 @@ from ..math.lyapunov import lyapunov
 from ..model.model import Model
 from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE
 from ..statics.equilibrium import Equilibrium
-from .feedback import Controller, EnergyForm, Places, closed, closed_by_frequency, controller_of, energy_form
-from .frequency_response import check_hertz, one_of, places_of, response_of
-from .harmonic import plain
-from .noise_frequencies import areas, drawn, filled, frequencies, refined, undamped_within
+from .feedback import Controller, EnergyForm, Places, closed, closed_by_frequency, energy_form, feedback_controller
+from .frequency_response import check_hertz, place_of_name, places_of_names, response_of
+from .harmonic import plain_arrays
+from .noise_frequencies import (
+    areas,
+    band_frequencies,
+    filled,
+    frequencies_of_density,
+    refined_frequencies,
+    undamped_within,
+)
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
 
@@ -65,8 +72,12 @@ class NoiseBudget(Labelled, Record):
         return root_or_zero(self._part(self.variances, output, source))
 
     def _part(self, values: Any, output: str | None, source: str | None) -> Any:
-        by_source = values[..., one_of("output", self.outputs, output), :]
-        return jnp.sum(by_source, axis=-1) if source is None else by_source[..., one_of("source", self.sources, source)]
+        by_source = values[..., place_of_name("output", self.outputs, output), :]
+        return (
+            jnp.sum(by_source, axis=-1)
+            if source is None
+            else by_source[..., place_of_name("source", self.sources, source)]
+        )
 
     def spectrum(self, output: str | None = None, source: str | None = None) -> Float[Array, "n_f"]:
         """Return the one-sided power spectral density of an output, (n_f,) [unit^2/Hz].
@@ -89,8 +100,8 @@ class NoiseBudget(Labelled, Record):
         over = ("frequency", "output", "source")
         along = {"frequency": Column(over[:1], self.hertz, "Hz")}
         along |= {
-            name: Column((name,), np.array(own))
-            for name, own in zip(over[1:], (self.outputs, self.sources), strict=True)
+            name: Column((name,), np.array(names))
+            for name, names in zip(over[1:], (self.outputs, self.sources), strict=True)
         }
         return Quantities(over[:1], along, {"density": Column(over, self.spectra), "below": Column(over, self.below)})
 
@@ -183,13 +194,13 @@ def noise_budget(
     if hertz is not None and band is not None:
         raise ValueError("Give either `hertz` or `band`, not both.")
     if sign not in (-1, 1):
-        raise ValueError(f"Argument `sign` must be -1 or 1, but is {shown(sign)}.")
+        raise ValueError(f"Argument `sign` must be -1 or 1, but is {short_repr(sign)}.")
     lin = linearized(model, "noise_budget", where=Where(at, step, time, increment))
     ins, outs = ([s.name for s in signals] for signals in (lin.labels.inputs, lin.labels.outputs))
-    wanted = tuple(places_of("output", outs, outputs))
+    chosen_outputs = tuple(places_of_names("output", outs, outputs))
     loop = None
     if controller is not None:
-        loop = controller_of(controller, measured, driven, outs, ins, sign)
+        loop = feedback_controller(controller, measured, driven, outs, ins, sign)
     elif measured is not None or driven is not None:
         raise ValueError("Arguments `measured` and `driven` go with a controller.")
     entering = _sources(sources, ins, outs, loop)
@@ -206,13 +217,13 @@ def noise_budget(
         over,
         places=_places(loop),
         entries=entering.entries,
-        wanted=wanted,
+        wanted=chosen_outputs,
     )
-    budget = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in wanted), entering.names)
+    budget = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in chosen_outputs), entering.names)
     if is_concrete(budget):
-        _tell_of_infinite(budget)
+        _warn_infinite(budget)
         if band is not None and band[0] == 0:
-            _tell_of_rest(budget)
+            _warn_at_rest(budget)
     return budget
 
 
@@ -232,16 +243,17 @@ def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controll
     for name, density in sources.items():
         known = {*inputs, *(input_name.replace(".", " ") for input_name in inputs)}
         if name in known:
-            at_inputs[one_of("input", inputs, name)] = density
+            at_inputs[place_of_name("input", inputs, name)] = density
         elif isinstance(name, str) and name.startswith("sensor "):
-            number = one_of("output", outputs, name.removeprefix("sensor "))
+            number = place_of_name("output", outputs, name.removeprefix("sensor "))
             if loop is None or number not in loop.measured:
                 reads = "there is no controller" if loop is None else "the controller does not read it"
-                raise ModelError(f"Source '{clean(name)}': {reads}, so noise of this sensor has no effect.")
+                raise ModelError(f"Source '{printable(name)}': {reads}, so noise of this sensor has no effect.")
             of_sensors[number] = density
         else:
             raise KeyError(
-                f"There is no source '{clean(name)}': it is an input, {', '.join(inputs)}, or 'sensor' and an output,"
+                f"There is no source '{printable(name)}': it is an input, {', '.join(inputs)}, or 'sensor' and an"
+                " output,"
                 f" {', '.join(outputs)}."
             )
     names = [inputs[i] for i in at_inputs] + [f"sensor {outputs[i]}" for i in of_sensors]
@@ -295,9 +307,9 @@ def _frequencies(
     # A controller function has no known poles. The poles of the mechanism show its resonances.
     by_states = loop is None or loop.matrices is not None
     refuse_without_anything(lin)
-    system, orders = plain(second_order(lin))
+    system, orders = plain_arrays(second_order(lin))
     grid: Any
-    whole, poles, settles, (grid, steps) = _loop(
+    noise_system, poles, settles, (grid, steps) = _loop(
         system,
         None if loop is None else loop.matrices,
         None if band is None else _asked_by_densities(entering, band),
@@ -314,7 +326,7 @@ def _frequencies(
         if is_concrete(grid) and (len(grid) < 2 or np.any(np.diff(np.asarray(grid, float)) < 0) or grid[0] == grid[-1]):
             raise ValueError("Argument `hertz` of fm.control.noise_budget must be two frequencies or more that ascend.")
     elif loop is not None and not by_states:
-        grid, steps = refined(lin, loop, entries, grid), None
+        grid, steps = refined_frequencies(lin, loop, entries, grid), None
     if not by_states:
         return _Frequencies(grid, steps, np.array(True), None)
     if not exact:
@@ -322,13 +334,13 @@ def _frequencies(
         settles = settles & ~jnp.any(undamped)
         if is_concrete((undamped, poles)):
             _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
-    return _Frequencies(grid, steps, settles, whole if exact else None)
+    return _Frequencies(grid, steps, settles, noise_system if exact else None)
 
 
 def _asked_by_densities(entering: _Entering, band: tuple[float, float]) -> np.ndarray | None:
     """Frequencies of a band that density functions require, (n,) [Hz]; None without any."""
     pairs = [pair for pair in zip(entering.names, entering.densities, strict=True) if callable(pair[1])]
-    grids = [drawn(name, functools.partial(_density, name, density), *band) for name, density in pairs]
+    grids = [frequencies_of_density(name, functools.partial(_density, name, density), *band) for name, density in pairs]
     return filled(np.unique(np.concatenate(grids))) if grids else None
 
 
@@ -336,16 +348,16 @@ def _band(band: Any) -> tuple[float, float]:
     check_numbers("Argument `band`", band, (2,))
     low, high = (float(end) for end in band)
     if not 0 <= low < high:
-        raise ValueError(f"Argument `band` must be two ascending frequencies, not negative, but is {shown(band)}.")
+        raise ValueError(f"Argument `band` must be two ascending frequencies, not negative, but is {short_repr(band)}.")
     return low, high
 
 
-def _density(name: str, given: Any, grid: Float[Array, "n_f"]) -> Float[Array, "*n_f"]:
+def _density(name: str, specified: Any, grid: Float[Array, "n_f"]) -> Float[Array, "*n_f"]:
     """Density of a source at all frequencies, or one for all of them."""
-    density: Any = given(grid) if callable(given) else given
+    density: Any = specified(grid) if callable(specified) else specified
     check_numbers(f"Density of source '{name}'", density, grid.shape if np.ndim(density) else ())
     if is_concrete(density) and np.any(np.asarray(density) < 0):
-        raise ValueError(f"Density of source '{name}' cannot be negative, but is {shown(density)}.")
+        raise ValueError(f"Density of source '{name}' cannot be negative, but is {short_repr(density)}.")
     if is_concrete(density):
         density = np.asarray(density, float)
     return density
@@ -357,14 +369,14 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
         return
     worst = complex(poles[np.argmax(poles.real)])
     hertz = abs(worst.imag) / (2 * np.pi)
-    what = "The loop of mechanism and controller" if closed else "The mechanism"
+    system = "The loop of mechanism and controller" if closed else "The mechanism"
     how = f"its pole {worst.real:.4g} ± {abs(worst.imag):.4g}i rad/s, at {hertz:.4g} Hz,"
     if worst.real > GROWING_NOISE * np.max(np.abs(poles)):
         remedy = "Change the controller, or its sign (`sign`)." if closed else "Support it, or close a loop around it."
-        raise AnalysisError("unstable", f"{what} is unstable: {how} grows. Its noise is unbounded. {remedy}")
+        raise AnalysisError("unstable", f"{system} is unstable: {how} grows. Its noise is unbounded. {remedy}")
     raise AnalysisError(
         "unstable",
-        f"{what} does not come to rest: {how} has no damping. Its response to white noise is unbounded. Damp it, such"
+        f"{system} does not come to rest: {how} has no damping. Its response to white noise is unbounded. Damp it, such"
         " as by fm.damped(model, ratio=0.01), or give a `band` without it.",
     )
 
@@ -379,26 +391,26 @@ def _refuse_undamped(poles: Any) -> None:
         )
 
 
-def _tell_of_infinite(found: NoiseBudget) -> None:
-    infinite = np.argwhere(~np.isfinite(np.asarray(found.variances)))
+def _warn_infinite(noise: NoiseBudget) -> None:
+    infinite = np.argwhere(~np.isfinite(np.asarray(noise.variances)))
     if len(infinite):
         i, j = infinite[0]
         warn(
-            f"The root mean square of '{found.outputs[i]}' by '{found.sources[j]}' is infinite: white noise reaches it"
+            f"The root mean square of '{noise.outputs[i]}' by '{noise.sources[j]}' is infinite: white noise reaches it"
             " directly or makes it drift, or a resonance is undamped. Give a `band` to integrate over, or damp the"
             " resonance."
         )
 
 
-def _tell_of_rest(found: NoiseBudget) -> None:
+def _warn_at_rest(noise: NoiseBudget) -> None:
     """Warn if unbounded growth towards 0 Hz is most of the sum over a band from there."""
-    first = np.asarray(found.hertz)[0] * np.asarray(found.spectra)[0]
-    drifting = np.argwhere(first > DRIFTING_NOISE * np.asarray(found.variances))
+    first = np.asarray(noise.hertz)[0] * np.asarray(noise.spectra)[0]
+    drifting = np.argwhere(first > DRIFTING_NOISE * np.asarray(noise.variances))
     if len(drifting):
         i, j = drifting[0]
         warn(
-            f"The spectrum of '{found.outputs[i]}' by '{found.sources[j]}' grows towards 0 Hz. Its root mean square"
-            f" begins at {short(found.hertz[0])} Hz. Give the band a lowest frequency."
+            f"The spectrum of '{noise.outputs[i]}' by '{noise.sources[j]}' grows towards 0 Hz. Its root mean square"
+            f" begins at {short(noise.hertz[0])} Hz. Give the band a lowest frequency."
         )
 
 
@@ -419,11 +431,11 @@ def _loop(
     Frequencies move with the poles, also in derivatives. On a fixed grid, the error of a derivative would be the
     error of the sum times the sharpness of a resonance.
     """
-    whole = closed(energy_form(system, orders), matrices, places, *entries)
-    poles, _, _ = general_eigen(whole.A)
+    noise_system = closed(energy_form(system, orders), matrices, places, *entries)
+    poles, _, _ = general_eigen(noise_system.A)
     # Negated, so that NaN does not count as unstable.
     settles = ~(jnp.max(jnp.real(poles)) >= (-DECAYING_POLE if exact else GROWING_NOISE) * jnp.max(jnp.abs(poles)))
-    return whole, poles, settles, frequencies(poles, *(band or (None, None)), asked)
+    return noise_system, poles, settles, band_frequencies(poles, *(band or (None, None)), asked)
 
 
 @jit
@@ -438,8 +450,10 @@ def _budget(
     wanted: tuple[int, ...],
 ):
     """Spectra, cumulative sums and variances: within the grid, or exact."""
-    (grid, steps, settles, whole), rows = over, np.array(wanted)
-    density = jnp.stack([jnp.broadcast_to(each, grid.shape) for each in densities], axis=1)[:, None, :]
+    (grid, steps, settles, noise_system), rows = over, np.array(wanted)
+    density = jnp.stack([jnp.broadcast_to(source_density, grid.shape) for source_density in densities], axis=1)[
+        :, None, :
+    ]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, rows]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
     spectra = jnp.where(density <= 0, 0.0, size * density)
@@ -448,16 +462,16 @@ def _budget(
         below = jnp.concatenate([jnp.zeros_like(spectra[:1]), jnp.cumsum(parts, axis=0)])
     else:
         below = areas(spectra * steps[0][:, None, None], steps[1])
-    variances = below[-1] if whole is None else _white(whole, density[0, 0])[rows]
+    variances = below[-1] if noise_system is None else _white(noise_system, density[0, 0])[rows]
     return spectra, below, jnp.where(settles, variances, jnp.inf)
 
 
-def _white(whole: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n_y n_s"]:
+def _white(noise_system: EnergyForm, densities: Float[Array, "n_s"]) -> Float[Array, "n_y n_s"]:
     """Variances under white noise of one-sided densities, by the covariance of the states."""
-    b = whole.B.T[:, :, None]
-    covariance = lyapunov(whole.A, b * b.swapaxes(1, 2))
-    variances = jnp.einsum("yi,sij,yj->ys", whole.C, covariance, whole.C)
+    b = noise_system.B.T[:, :, None]
+    covariance = lyapunov(noise_system.A, b * b.swapaxes(1, 2))
+    variances = jnp.einsum("yi,sij,yj->ys", noise_system.C, covariance, noise_system.C)
     # A two-sided density is half the one-sided one.
     bounded = jnp.maximum(variances, 0.0) * densities / 2
-    unbounded = (whole.rough | (whole.D != 0)) & (densities > 0)
+    unbounded = (noise_system.rough | (noise_system.D != 0)) & (densities > 0)
     return jnp.where(unbounded, jnp.inf, bounded)

@@ -43,7 +43,7 @@ def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bo
     return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
 
 
-def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:
+def refined_frequencies(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:
     """Frequencies that resolve the responses of a loop with unknown poles: halved until the responses change little.
 
     Warns if too many are needed; ValueError for numbers traced by ``jax.jit``.
@@ -68,7 +68,7 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
         closed = closed_by_frequency(plant, known_gain(hertz), (loop.measured, loop.driven), *entries)
         return np.asarray(closed).reshape(len(hertz), -1)
 
-    known = _in_pieces(responses, grid)
+    known = _in_blocks(responses, grid)
     while True:
         # Across a resonance halfway between two frequencies sizes are equal, but phases are not.
         size = np.abs(known)
@@ -79,7 +79,7 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
         if not len(coarse) or len(grid) >= MOST:
             break
         more = np.sqrt(grid[coarse] * grid[coarse + 1])
-        known = np.insert(known, coarse + 1, _in_pieces(responses, more), axis=0)
+        known = np.insert(known, coarse + 1, _in_blocks(responses, more), axis=0)
         grid = np.insert(grid, coarse + 1, more)
     if np.any(sharp):
         warn(
@@ -89,13 +89,13 @@ def refined(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], gr
     return grid
 
 
-def _in_pieces(function: Callable[[Any], Any], hertz: np.ndarray) -> np.ndarray:
+def _in_blocks(function: Callable[[Any], Any], hertz: np.ndarray) -> np.ndarray:
     """Values of a function at frequencies, by calls of one size, which compile once."""
     many = np.concatenate([hertz, np.full(-len(hertz) % PIECE, hertz[-1])])
     return np.concatenate([np.asarray(function(piece)) for piece in many.reshape(-1, PIECE)])[: len(hertz)]
 
 
-def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> np.ndarray:
+def frequencies_of_density(name: str, density: Callable[[Any], Any], low: float, high: float) -> np.ndarray:
     """Frequencies that resolve a density function between those in equal ratios, (n,) [Hz], with a warning if too many.
 
     Intervals are halved until the density is linear within each. None for a smooth or traced density.
@@ -107,7 +107,7 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
             return np.zeros(0)
 
         def values(hertz: np.ndarray):
-            return _in_pieces(lambda f: np.broadcast_to(np.asarray(jax.lax.stop_gradient(density(f))), f.shape), hertz)
+            return _in_blocks(lambda f: np.broadcast_to(np.asarray(jax.lax.stop_gradient(density(f))), f.shape), hertz)
 
         many = SPREAD * LOOKS
         grid = np.sort(np.concatenate([np.geomspace(low, high, many + 1), np.linspace(low, high, many + 2)[1:-1]]))
@@ -116,39 +116,41 @@ def drawn(name: str, density: Callable[[Any], Any], low: float, high: float) -> 
         around = np.lib.stride_tricks.sliding_window_view(np.pad(largest, ASIDE), 2 * ASIDE + 1)
         faint = FAINT_RESPONSE * np.repeat(np.max(around, axis=1), LOOKS)
         # From wide to narrow intervals, each with all values within.
-        wanted, stride = np.zeros(len(grid), bool), LOOKS
+        selected, stride = np.zeros(len(grid), bool), LOOKS
         begins = np.zeros(0, int)
         while stride > 1:
             off = np.abs(known - np.interp(grid, grid[::stride], known[::stride]))[:-1].reshape(-1, stride)
             size = np.maximum(np.max(known[:-1].reshape(-1, stride), axis=1), known[stride::stride]) + faint[::stride]
             begins = np.flatnonzero(np.max(off, axis=1) > CURVED_DENSITY * size) * stride
-            wanted[begins[:, None] + np.array([0, stride // 2, stride])] = True
+            selected[begins[:, None] + np.array([0, stride // 2, stride])] = True
             stride //= 2
-        found, left = grid[wanted], np.concatenate([begins, begins + 1])
+        chosen, left_ends = grid[selected], np.concatenate([begins, begins + 1])
         # Then halved: frequencies and densities at both ends, and the faint level.
-        gaps = np.stack([grid[left], grid[left + 1], known[left], known[left + 1], faint[left]])
-        whole = np.trapezoid(known, grid)
-        while gaps.size and len(found) < MOST:
+        gaps = np.stack(
+            [grid[left_ends], grid[left_ends + 1], known[left_ends], known[left_ends + 1], faint[left_ends]]
+        )
+        integral = np.trapezoid(known, grid)
+        while gaps.size and len(chosen) < MOST:
             a, b, at_a, at_b, least = gaps
             middle = (a + b) / 2
             at = values(middle)
             sharp = np.abs(at - (at_a + at_b) / 2) > CURVED_DENSITY * (np.maximum(np.maximum(at_a, at_b), at) + least)
-            found = np.concatenate([found, middle[sharp]])
+            chosen = np.concatenate([chosen, middle[sharp]])
             halves = [a, middle, at_a, at, least], [middle, b, at, at_b, least]
             gaps = np.concatenate([np.stack(half)[:, sharp] for half in halves], axis=1)
             widths = gaps[1] - gaps[0]
             narrow = widths <= NEAREST_FREQUENCIES * gaps[1]
-            endless = narrow & (widths * np.maximum(gaps[2], gaps[3]) > CURVED_DENSITY * whole)
+            endless = narrow & (widths * np.maximum(gaps[2], gaps[3]) > CURVED_DENSITY * integral)
             if np.any(endless):
                 gaps = gaps[:, endless]
                 break
             gaps = gaps[:, ~narrow]
     if gaps.size:
         warn(
-            f"The density of source '{name}' is too rough: {len(found)} frequencies do not resolve it, such as at"
+            f"The density of source '{name}' is too rough: {len(chosen)} frequencies do not resolve it, such as at"
             f" {gaps[0, 0]:.6g} Hz. The root mean square may be wrong. Give `hertz`."
         )
-    return np.unique(found)
+    return np.unique(chosen)
 
 
 def filled(hertz: np.ndarray) -> np.ndarray | None:
@@ -158,7 +160,7 @@ def filled(hertz: np.ndarray) -> np.ndarray | None:
     return hertz if len(hertz) else None
 
 
-def frequencies(
+def band_frequencies(
     poles: Complex[Array, "n"], low: float | None, high: float | None, more: Any = None
 ) -> tuple[Any, tuple[Any, Any]]:
     """Frequencies of a band, or of all poles, and the widths and places that they represent.
@@ -189,14 +191,14 @@ def frequencies(
 
     beside = place[:, None] + width[:, None] * np.tan(np.linspace(-1, 1, BESIDE) * np.arctan(WIDEST))
     even = first * (end / first) ** np.linspace(0, 1, SPREAD)
-    near = jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
-    ends = counted(end[None])[0] * np.linspace(0, 1, len(near))
-    grid = jax.lax.stop_gradient(jnp.interp(ends, counted(near), near))
+    knots = jnp.sort(jnp.concatenate([jnp.clip(beside.ravel(), first, end), even]))
+    ends = counted(end[None])[0] * np.linspace(0, 1, len(knots))
+    grid = jax.lax.stop_gradient(jnp.interp(ends, counted(knots), knots))
     for _ in range(3):
         # From constant frequencies, so that the last step has the whole derivative.
         grid = jax.lax.stop_gradient(grid)
         grid = jnp.clip(grid - (counted(grid) - ends) / rate(grid), first, end)
-    step, places = ends[1] - ends[0], jnp.arange(len(near), dtype=float)
+    step, places = ends[1] - ends[0], jnp.arange(len(knots), dtype=float)
     if more is not None:
         more = jnp.clip(more, first, end)
         grid, places = jnp.concatenate([grid, more]), jnp.concatenate([places, counted(more) / step])
@@ -212,8 +214,8 @@ def areas(values: Float[Array, "n y s"], places: Float[Array, "n"]) -> Float[Arr
     densities require may jump.
     """
     steps = jnp.diff(places)
-    whole = jnp.pad(steps == 1.0, 1, constant_values=True)
-    even = (whole[:-2] & whole[1:-1] & whole[2:])[:, None, None]
+    is_whole_step = jnp.pad(steps == 1.0, 1, constant_values=True)
+    even = (is_whole_step[:-2] & is_whole_step[1:-1] & is_whole_step[2:])[:, None, None]
     slopes = jnp.concatenate([values[1:2] - values[:1], (values[2:] - values[:-2]) / 2, values[-1:] - values[-2:-1]])
     bent = jnp.where(even, (slopes[1:] - slopes[:-1]) / 12, 0.0)
     between = steps[:, None, None] * (values[1:] + values[:-1]) / 2 - bent

@@ -10,8 +10,8 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..errors import AnalysisError, warn
-from ..mechanics.extent import sizes_of
-from ..model.model import Model, as_known
+from ..mechanics.extent import coordinate_scales
+from ..model.model import Model, as_known_model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
@@ -57,14 +57,14 @@ def plant_rates(
     n = form.size
     q, qd = state[:n] / form.sizes, state[n:] / form.sizes
     at = form.settle(t, MotionState(q, qd, memory))
-    whole = form.whole_motion(t, at)
-    in_coordinates = undriven.state_of(whole.x, whole.xd, whole.near)
+    full_motion = form.whole_motion(t, at)
+    in_coordinates = undriven.state_of(full_motion.x, full_motion.xd, full_motion.near)
     sensors = measuring(model, undriven, None)
     z = under_inputs(model, undriven, u).acceleration(t, in_coordinates)[0] if sensors.places.late else None
     y = sensors.measured(t, in_coordinates, z, u)
     # The second search measures the error of the first.
     again = form.settle(t, at).memory
-    moved = jnp.abs(again - at.memory)[: model.topology.n_x] / sizes_of(model.topology, model.parameters)
+    moved = jnp.abs(again - at.memory)[: model.topology.n_x] / coordinate_scales(model.topology, model.parameters)
     rates = jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes])
     return Evaluated(rates, y, at.memory, jnp.max(moved, initial=0.0))
 
@@ -127,7 +127,7 @@ def to_nonlinear_system(
     """
     import control
 
-    warn_of_increment(as_known(model, "to_nonlinear_system"), "to_nonlinear_system")
+    warn_of_increment(as_known_model(model, "to_nonlinear_system"), "to_nonlinear_system")
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))

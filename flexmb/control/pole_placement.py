@@ -51,9 +51,9 @@ def _moved(plant: Any) -> Any:
         reached = reached | np.any(a[:, reached], axis=1)
     if not np.any(reached) or np.all(reached):
         return plant
-    kept = np.ix_(reached, reached)
+    selection = np.ix_(reached, reached)
     names: Any = {"inputs": plant.input_labels, "outputs": plant.output_labels}
-    return control.StateSpace(plant.A[kept], plant.B[reached], plant.C[:, reached], plant.D, **names)
+    return control.StateSpace(plant.A[selection], plant.B[reached], plant.C[:, reached], plant.D, **names)
 
 
 def pid(
@@ -105,16 +105,16 @@ def pid(
         quantities = [signal.quantity for signal in model.labels.outputs]
         with heard():
             plant = to_statespace(model, modes=1)
-    to, of = (
-        _chosen(name, list(names), what)
-        for name, names, what in ((input, plant.input_labels, "input"), (output, plant.output_labels, "output"))
+    to, y_index = (
+        _chosen(name, list(names), kind)
+        for name, names, kind in ((input, plant.input_labels, "input"), (output, plant.output_labels, "output"))
     )
-    names: Any = {"inputs": [plant.output_labels[of]], "outputs": [plant.input_labels[to]]}
-    if quantities and quantities[of] not in ("position", "deformation"):
+    names: Any = {"inputs": [plant.output_labels[y_index]], "outputs": [plant.input_labels[to]]}
+    if quantities and quantities[y_index] not in ("position", "deformation"):
         raise ModelError(
-            f"Output '{plant.output_labels[of]}' is a {quantities[of]}. Name an `output` that is a position."
+            f"Output '{plant.output_labels[y_index]}' is a {quantities[y_index]}. Name an `output` that is a position."
         )
-    m, d, k = one_mass(_moved(plant[of, to]))
+    m, d, k = one_mass(_moved(plant[y_index, to]))
     w = 2 * np.pi * bandwidth
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:
@@ -126,20 +126,20 @@ def pid(
     kd, kp, ki = m * filtered * a2 - d - k * filtered, m * filtered * a1 - k, m * filtered * a0
     # Partial fractions of the controller: ki/s, a gain, and the filter's.
     gain, lag = kd / filtered, (kp - ki * filtered - kd / filtered) / filtered
-    found = control.StateSpace(np.diag([0.0, -1 / filtered]), [[1.0], [1.0]], [[ki, lag]], [[gain]], **names)
-    return found if slow > 0 else control.StateSpace([[-1 / filtered]], [[1.0]], [[lag]], [[gain]], **names)
+    controller = control.StateSpace(np.diag([0.0, -1 / filtered]), [[1.0], [1.0]], [[ki, lag]], [[gain]], **names)
+    return controller if slow > 0 else control.StateSpace([[-1 / filtered]], [[1.0]], [[lag]], [[gain]], **names)
 
 
-def _chosen(name: str | None, there: list[str], what: str) -> int:
+def _chosen(name: str | None, names: list[str], kind: str) -> int:
     """Place of an input or output by its name."""
     if name is None:
-        if len(there) > 1:
-            raise ModelError(f"The model has several {what}s. Name one as `{what}`, of {', '.join(there)}.")
+        if len(names) > 1:
+            raise ModelError(f"The model has several {kind}s. Name one as `{kind}`, of {', '.join(names)}.")
         return 0
-    clean = str(name).replace(".", " ")
-    if clean not in there:
-        raise ModelError(f"Argument `{what}` names '{name}', which is no {what} of the model: {', '.join(there)}.")
-    return there.index(clean)
+    label = str(name).replace(".", " ")
+    if label not in names:
+        raise ModelError(f"Argument `{kind}` names '{name}', which is no {kind} of the model: {', '.join(names)}.")
+    return names.index(label)
 
 
 def notch(frequency: float, depth: float = 0.1, width: float = 1.0) -> control.TransferFunction:

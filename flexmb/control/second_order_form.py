@@ -12,9 +12,16 @@ from ..arguments import as_known, by_library, is_concrete, library_of
 from ..compilation.compile import jit
 from ..errors import AnalysisError, ModelError
 from ..linear.linearize import Linearization, Matrices
-from ..linear.sparse_solve import solved
-from ..math.by_deformations import spread
-from ..math.element_matrices import ElementMatrices, between, by_coordinates, times, times_transposed, transposed
+from ..linear.sparse_solve import sparse_solution
+from ..math.by_deformations import motions_from_free
+from ..math.element_matrices import (
+    ElementMatrices,
+    by_coordinates,
+    matrix_times,
+    quadratic_form,
+    times_transposed,
+    transposed,
+)
 from ..math.indices import accumulate, put
 from ..mechanics.blocks import kernel
 from ..mechanics.signals import (
@@ -30,7 +37,7 @@ from ..model.model import Signal
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import IDLE_FORCE, SUM_ROUND_OFF
-from .held import Held, about_axes, held_by, held_of, moved_by, seeds, with_held
+from .held import ConstrainedCoordinate, about_axes, constrained_by, constrained_of, moved_by, seeds, with_constrained
 
 
 class SecondOrder(NamedTuple):
@@ -122,7 +129,7 @@ class _Around(NamedTuple):
 
     by_held: Sequence[Any]
     of_held: Sequence[Any]
-    between: Sequence[Any]
+    quadratic_form: Sequence[Any]
     forces: Any
     on_held: Any
 
@@ -143,15 +150,15 @@ def second_order(lin: Linearization) -> SecondOrder:
     """
     model, m = lin.model, lin.matrices
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
-    held = held_by((*terms_of(inputs), *terms_of(outputs)))
-    whole = _with_held(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
+    held = constrained_by((*terms_of(inputs), *terms_of(outputs)))
+    extended = _with_constrained(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
         # On the host: compilation of sizes that occur once takes longer than computing.
-        m, whole, weights = jax.tree.map(np.asarray, (m, whole, weights))
-        parts = _about_state(m, whole, weights, inputs, outputs, held, np)
+        m, extended, weights = jax.tree.map(np.asarray, (m, extended, weights))
+        parts = _about_state(m, extended, weights, inputs, outputs, held, np)
     else:
-        parts = _second_order(m, whole, weights, inputs=inputs, outputs=outputs, held=held)
+        parts = _second_order(m, extended, weights, inputs=inputs, outputs=outputs, held=held)
     orders, moves = orders_of(inputs)
     return SecondOrder(*parts, orders=orders, moves=moves)
 
@@ -163,9 +170,11 @@ def orders_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 
 @kernel
-def _with_held(topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[Held, ...], times: bool):
+def _with_constrained(
+    topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[ConstrainedCoordinate, ...], times: bool
+):
     def in_state(m: Matrices):
-        return with_held(topology, parameters, m, held)
+        return with_constrained(topology, parameters, m, held)
 
     return jax.vmap(in_state)(m) if times else in_state(m)
 
@@ -178,7 +187,7 @@ def _second_order(
     *,
     inputs: tuple[Signal, ...],
     outputs: tuple[Signal, ...],
-    held: tuple[Held, ...],
+    held: tuple[ConstrainedCoordinate, ...],
 ) -> Any:
     def in_state(m: Matrices, whole: Matrices):
         return _about_state(m, whole, weights, inputs, outputs, held, jnp)
@@ -188,17 +197,17 @@ def _second_order(
 
 def _about_state(
     m: Matrices,
-    whole: Matrices,
+    extended: Matrices,
     weights: Any,
     inputs: tuple[Signal, ...],
     outputs: tuple[Signal, ...],
-    held: tuple[Held, ...],
+    held: tuple[ConstrainedCoordinate, ...],
     xp: Any,
 ) -> tuple[Any, ...]:
     """The twelve matrices of one state, by NumPy or by jax.numpy; in ``whole`` held coordinates are last."""
     n, causes = m.M0.shape[0], terms_of(inputs)
-    parts = (whole.K, whole.C0 + whole.D0, whole.M0)
-    columns = [input_row(s, whole.x, whole.DFx, whole.DFe) if s.order is None else None for s in causes]
+    parts = (extended.K, extended.C0 + extended.D0, extended.M0)
+    columns = [input_row(s, extended.x, extended.DFx, extended.DFe) if s.order is None else None for s in causes]
     forces = _stacked(columns, n + len(held), xp).T
     around = _Around(
         [part[:n, n:] for part in parts],
@@ -209,7 +218,7 @@ def _about_state(
     )
 
     def measured(s: Signal):
-        rows = _output_rows(s, whole)
+        rows = _output_rows(s, extended)
         return [[None if row is None else row[part] for row in rows] for part in (slice(n), slice(n, None))]
 
     by_p, by_q, through = _assembled(inputs, outputs, weights, held, around, measured, xp)
@@ -220,7 +229,7 @@ def _assembled(
     inputs: tuple[Signal, ...],
     outputs: tuple[Signal, ...],
     weights: Any,
-    held: tuple[Held, ...],
+    held: tuple[ConstrainedCoordinate, ...],
     around: _Around,
     measured: Callable[[Signal], Any],
     xp: Any,
@@ -241,7 +250,7 @@ def _assembled(
     for s in terms_of(outputs):
         if s.held and s.quantity in ("reaction", "stress"):
             # The external force on a deformation is minus its stress resultant.
-            i, sign = held.index(held_of(s)), -1.0 if s.of_element else 1.0
+            i, sign = held.index(constrained_of(s)), -1.0 if s.of_element else 1.0
             by_q.append([sign * part[i] for part in around.of_held])
             by_held.append([sign * part[i] for part in around.between])
             passed.append(-sign * around.on_held[i])
@@ -261,8 +270,8 @@ def _assembled(
         return by_p, by_q, through
     mix, read = combined(inputs, weights[0]).T, combined(outputs, weights[1])
     totals = [b @ mix for b in by_p], [read @ c for c in by_q], [read @ d @ mix for d in through]
-    by, of = abs(mix), abs(read)
-    sizes = [abs(b) @ by for b in by_p], [of @ abs(c) for c in by_q], [of @ abs(d) @ by for d in through]
+    by, read_size = abs(mix), abs(read)
+    sizes = [abs(b) @ by for b in by_p], [read_size @ abs(c) for c in by_q], [read_size @ abs(d) @ by for d in through]
     # A floor that moves as a whole deforms nothing: effects of its points cancel but for round-off.
     return jax.tree.map(_exact, totals, sizes)
 
@@ -331,7 +340,7 @@ def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, libra
     model, elements, n_x = lin.model, lin.elements, lin.x.shape[0]
     inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
     causes = terms_of(inputs)
-    held = held_by((*causes, *terms_of(outputs)))
+    held = constrained_by((*causes, *terms_of(outputs)))
     carried = _carried(lin, elements, held, library)
     # Holding forces are measured along motions that meet no force of the transposed stiffness.
     along = carried if lin.symmetric else _carried(lin, transposed(elements), held, library)
@@ -340,10 +349,10 @@ def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, libra
     forces = _stacked(columns, n_x, library).T
     # Motions at rest meet no elastic force.
     parts = [] if elastic else matrices.stiffness, matrices.damping, matrices.mass
-    beyond = [between(part, along, carried) for part in (matrices.stiffness, matrices.damping, matrices.mass)]
+    beyond = [quadratic_form(part, along, carried) for part in (matrices.stiffness, matrices.damping, matrices.mass)]
     if elastic:
         beyond[0] = beyond[0] + about_axes(lin, held, 0)
-    by_held = [times(part, carried, size=n_x) for part in parts]
+    by_held = [matrix_times(part, carried, size=n_x) for part in parts]
     of_held = [times_transposed(part, along, size=n_x).T for part in parts]
     around = _Around(by_held, of_held, beyond, forces, along.T @ forces)
 
@@ -362,7 +371,7 @@ def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, libra
 def _force(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_x"]:
     """Forces on the coordinates of a unit input."""
     if s.quantity == "stress":
-        return -_of_deformation(lin, _unit(s, lin, library))
+        return -_deformation_row(lin, _unit(s, lin, library))
     indices, row = along_coordinates(s, lin.x)
     return accumulate(library.zeros(lin.x.shape[0]), indices, row)
 
@@ -372,7 +381,7 @@ def _unit(s: Signal, lin: Linearization, library: Any) -> Float[Array, "n_e"]:
     return put(library.zeros(lin.e.shape[0]), s.index, 1.0)
 
 
-def _of_deformation(lin: Linearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
+def _deformation_row(lin: Linearization, weights: Float[Array, "n_e"]) -> Float[Array, "n_x"]:
     """Derivative of a weighted sum of deformations by the coordinates."""
     return times_transposed(lin.elements.constraints, weights[:, None], size=lin.x.shape[0])[:, 0]
 
@@ -383,12 +392,12 @@ def _measured(s: Signal, lin: Linearization, matrices: ElementMatrices, elastic:
     rows: list[Any] = [none, none, none]
     if s.quantity == "stress":
         unit = _unit(s, lin, library)[:, None]
-        for rate, pieces in enumerate((matrices.elastic, matrices.viscous)):
-            rows[rate] = _of_deformation(lin, times_transposed(pieces, unit, size=lin.e.shape[0])[:, 0])
+        for rate, element_matrices in enumerate((matrices.elastic, matrices.viscous)):
+            rows[rate] = _deformation_row(lin, times_transposed(element_matrices, unit, size=lin.e.shape[0])[:, 0])
     elif not elastic:
         return rows
     elif s.quantity.startswith("deformation"):
-        rows[DEFORMATION_ORDERS[s.quantity]] = _of_deformation(lin, _unit(s, lin, library))
+        rows[DEFORMATION_ORDERS[s.quantity]] = _deformation_row(lin, _unit(s, lin, library))
     else:
         at, row = along_coordinates(s, lin.x)
         rows[ORDERS[s.quantity]] = accumulate(none, at, row)
@@ -396,17 +405,17 @@ def _measured(s: Signal, lin: Linearization, matrices: ElementMatrices, elastic:
 
 
 def _carried(
-    lin: Linearization, elements: ElementMatrices, held: tuple[Held, ...], library: Any
+    lin: Linearization, elements: ElementMatrices, held: tuple[ConstrainedCoordinate, ...], library: Any
 ) -> Float[Array, "n_x k"]:
     """Motions at rest of all coordinates by a unit of each held coordinate."""
     if not held:
         return library.zeros((lin.x.shape[0], 0))
     n_x, n_e = lin.x.shape[0], lin.e.shape[0]
     by_x, by_e = seeds(lin.model.topology, lin.x, held)
-    forces = times(elements.stiffness, by_x, size=n_x)[elements.free]
-    excess = (times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
-    moved = as_known(solved(elements, -library.concatenate([forces, excess]), solver=lin.solver))
-    return by_x + spread(elements, moved[: elements.unknowns[0]])
+    forces = matrix_times(elements.stiffness, by_x, size=n_x)[elements.free]
+    excess = (matrix_times(elements.constraints, by_x, size=n_e) - by_e)[elements.held]
+    moved = as_known(sparse_solution(elements, -library.concatenate([forces, excess]), solver=lin.solver))
+    return by_x + motions_from_free(elements, moved[: elements.unknowns[0]])
 
 
 def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
@@ -417,21 +426,23 @@ def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
     if not h or not np.any(largest):
         return largest > 0
     try:
-        moved = as_known(solved(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))]), solver=lin.solver))
+        moved = as_known(
+            sparse_solution(elements, np.concatenate([forces, np.zeros((h, forces.shape[1]))]), solver=lin.solver)
+        )
     except AnalysisError:
         # With a motion without stiffness this is not known.
         return largest > 0
-    elastic = times(elements.stiffness, spread(elements, moved[:n]), size=n_x)[elements.free]
+    elastic = matrix_times(elements.stiffness, motions_from_free(elements, moved[:n]), size=n_x)[elements.free]
     return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE_FORCE * largest
 
 
-def _refuse_idle(lin: Linearization, found: LargeSecondOrder) -> None:
+def _refuse_idle(lin: Linearization, form: LargeSecondOrder) -> None:
     """Refuse inputs that move nothing; of concrete numbers."""
-    if not is_concrete(found[:4]):
+    if not is_concrete(form[:4]):
         return
-    on_free = np.asarray(found.B)[:, np.asarray(lin.elements.free)]
+    on_free = np.asarray(form.B)[:, np.asarray(lin.elements.free)]
     forces = np.any(np.array([_carries(lin, columns) for columns in on_free]), axis=0)
-    idle = np.flatnonzero(~forces & ~np.any(np.asarray(found.D), axis=(0, 1)))
+    idle = np.flatnonzero(~forces & ~np.any(np.asarray(form.D), axis=(0, 1)))
     if len(idle):
         s = lin.labels.inputs[idle[0]]
         raise ModelError(

@@ -13,7 +13,7 @@ from ..display import Result, Summary, counted, listed, short
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..motion.controllers import check_finite, check_sizes, matrices_of, placed
+from ..motion.controllers import check_finite, check_sizes, matrices_of, signal_places
 from ..numerical_limits import (
     BLUR_OF_POLE,
     FARTHEST_ZERO,
@@ -169,13 +169,13 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             " samples it like the controller."
         )
     check_finite("mechanism's state space", (plant.A, plant.B, plant.C, plant.D))
-    own_in, own_out = placed(reads, outputs, "output"), placed(drives, inputs, "input")
+    own_in, own_out = signal_places(reads, outputs, "output"), signal_places(drives, inputs, "input")
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
-    whole: Any = control.ss(a, b @ spread, gather @ c, gather @ d @ spread, period or 0)
+    full_controller: Any = control.ss(a, b @ spread, gather @ c, gather @ d @ spread, period or 0)
     if period:
         plant = _sampled(plant, period)
-    opened, returned = plant * whole, whole * plant
+    opened, returned = plant * full_controller, full_controller * plant
     try:
         whole_error: Any = control.ss([], [], [], np.eye(len(outputs)))
         loop: Any = control.feedback(opened, whole_error, sign)
@@ -218,14 +218,14 @@ def _sampled(plant: Any, period: float) -> Any:
     """A plant with held inputs, sampled before they change, by (14.40)."""
     import control
 
-    whole: Any = control.sample_system(plant, period, "zoh")
-    passed = np.flatnonzero(np.any(whole.D, axis=0))
-    n, held = len(whole.A), len(passed)
-    if not held:
-        return whole
-    a = np.block([[whole.A, np.zeros((n, held))], [np.zeros((held, n + held))]])
-    b, c = np.vstack([whole.B, np.eye(whole.ninputs)[passed]]), np.hstack([whole.C, whole.D[:, passed]])
-    return control.ss(a, b, c, np.zeros_like(whole.D), period)
+    sampled: Any = control.sample_system(plant, period, "zoh")
+    passed = np.flatnonzero(np.any(sampled.D, axis=0))
+    n, n_passed = len(sampled.A), len(passed)
+    if not n_passed:
+        return sampled
+    a = np.block([[sampled.A, np.zeros((n, n_passed))], [np.zeros((n_passed, n + n_passed))]])
+    b, c = np.vstack([sampled.B, np.eye(sampled.ninputs)[passed]]), np.hstack([sampled.C, sampled.D[:, passed]])
+    return control.ss(a, b, c, np.zeros_like(sampled.D), period)
 
 
 def _margins(returned: Any, place: int, name: str, sign: int, period: float | None, closed: np.ndarray) -> Margins:
@@ -250,8 +250,8 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     for at, real in ends:
         reals, places = np.append(reals, real), np.append(places, at)
     # Values farther from one are round-off of zero or infinity.
-    told = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(POLE_ROUND_OFF))
-    gain, gain_at = _least(np.abs(np.log(-reals[told])), -1 / reals[told], places[told])
+    meaningful = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(POLE_ROUND_OFF))
+    gain, gain_at = _least(np.abs(np.log(-reals[meaningful])), -1 / reals[meaningful], places[meaningful])
     crossovers = _crossings(lambda rate: _level(opened(rate)), rates, _level(response))
     phases = np.degrees(np.angle(-opened(crossovers)))
     phase, phase_at = _least(np.abs(phases), phases, crossovers)
@@ -274,11 +274,11 @@ class _Opened:
 
         self.period, self.system = period, system
         size: Any = len(system.A)
-        found: Any = matrix_balance(system.A) if size else (system.A, np.eye(0))
-        balanced, turn = found
-        found = schur(balanced, output="complex") if size else found
-        self._triangle, own = found
-        self._b, self._c = own.conj().T @ np.linalg.solve(turn, system.B), system.C @ turn @ own
+        pair: Any = matrix_balance(system.A) if size else (system.A, np.eye(0))
+        balanced, turn = pair
+        pair = schur(balanced, output="complex") if size else pair
+        self._triangle, schur_vectors = pair
+        self._b, self._c = schur_vectors.conj().T @ np.linalg.solve(turn, system.B), system.C @ turn @ schur_vectors
         self._d = float(np.real(system.D[0, 0]))
 
     def __call__(self, rates: Any) -> Any:
@@ -293,9 +293,9 @@ class _Opened:
         with np.errstate(divide="ignore", invalid="ignore"):
             for i in reversed(range(n)):
                 x[i] = (self._b[i] + self._triangle[i, i + 1 :] @ x[i + 1 :]) / (s - self._triangle[i, i])
-            found = (self._c @ x)[0] + self._d
+            response = (self._c @ x)[0] + self._d
         # On an undamped pole.
-        return np.where(np.isfinite(found), found, np.inf)
+        return np.where(np.isfinite(response), response, np.inf)
 
     def ends(self, rates: np.ndarray) -> list[tuple[float, float]]:
         """Highest rate and rest, at which every response is real, and the responses."""
@@ -348,8 +348,8 @@ def _crossings(function: Callable[[Any], Any], at: np.ndarray, values: np.ndarra
         low, high = np.where(before, middle, low), np.where(before, high, middle)
     # A jump of phase at an undamped pole or zero is no crossing.
     beside = low + BLUR_OF_POLE * np.max(at, initial=0.0) * np.array([[-1.0], [1.0]])
-    left = np.max(np.abs(function(beside)), axis=0)
-    passes = left < JUMP_OF_PHASE * np.maximum(np.abs(values[between]), np.abs(values[between + 1]))
+    residual = np.max(np.abs(function(beside)), axis=0)
+    passes = residual < JUMP_OF_PHASE * np.maximum(np.abs(values[between]), np.abs(values[between + 1]))
     return np.concatenate([at[values == 0], low[passes]])
 
 
@@ -426,8 +426,8 @@ def _zeros(system: Any) -> np.ndarray:
     from scipy.linalg import eigvals
 
     n = len(system.A)
-    whole = np.block([[system.A, system.B], [system.C, system.D]])
-    quotients: Any = eigvals(whole, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
+    system_pencil = np.block([[system.A, system.B], [system.C, system.D]])
+    quotients: Any = eigvals(system_pencil, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
     above, below = quotients
     finite = np.abs(below) > POLE_ROUND_OFF * np.abs(above)
     return above[finite] / below[finite]

@@ -17,14 +17,14 @@ from ..linear.loose import refuse_negative_mass, refuse_without_anything
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import Factors, factorise
 from ..math.linear_solver import LinearSolver, asked_solver
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..numerical_limits import IDLE_INPUT, LOST_DAMPING, RATE_ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
 from .second_order_form import SecondOrder, second_order
-from .truncation import by_modes, chosen_modes, error_of, error_of_large, truncated
+from .truncation import by_modes, error_of, error_of_large, retained_modes, truncated
 
 if TYPE_CHECKING:
     import control
@@ -91,8 +91,8 @@ def _realised_at(
     m, c, k, *by_p = parts[:6]
     c_q, through = list(parts[6:9]), list(parts[9:12])
     n_q, n_u = by_p[0].shape
-    kept = np.array([i for i in range(n_q) if i not in condensed], int)
-    keep, direct = jnp.eye(n_q)[:, kept], jnp.zeros((n_q, n_u))
+    kept_indices = np.array([i for i in range(n_q) if i not in condensed], int)
+    keep, direct = jnp.eye(n_q)[:, kept_indices], jnp.zeros((n_q, n_u))
     left_out: Any = None
     if modes:
         keep, left_out = truncated(k, m, modes)
@@ -152,7 +152,7 @@ def _first_order(
     d0, d1, d2 = (level(through, rate) for rate in range(3))
     at_once = inverse.solve(b2)
     rates = inverse.solve(b1 - damping @ at_once)
-    integrals, sensed = ([level(of, -1)[:, once], level(of, -2)[:, twice]] for of in (by_p, through))
+    integrals, sensed = ([level(effects, -1)[:, once], level(effects, -2)[:, twice]] for effects in (by_p, through))
     # Columns: z, v, first integrals of inputs, second integrals.
     by_state = jnp.concatenate([-stiffness, -damping, *integrals], axis=1)
     lower = inverse.solve(jnp.concatenate([by_state, b0 - stiffness @ at_once - damping @ rates], axis=1))
@@ -176,12 +176,12 @@ def _first_order(
     places = {j: 2 * n + i for i, j in enumerate(once)} | {j: 2 * n + len(once) + i for i, j in enumerate(twice)}
     speeds = [2 * n + i for i, j in enumerate(once) if orders[j] == 2]
     order = np.array([*range(n), *(places[j] for j in once), *range(n, 2 * n), *speeds], int)
-    late = _left(inverse, damping, (b1, b2), (at_once, rates), (c1, c2), (d1, d2))
+    late = _rates_in_outputs(inverse, damping, (b1, b2), (at_once, rates), (c1, c2), (d1, d2))
     shifted = jnp.any(at_once != 0, axis=1), jnp.any((rates != 0) | (at_once != 0), axis=1)
     return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
 
 
-def _left(
+def _rates_in_outputs(
     inverse: Factors,
     damping: Float[Array, "n n"],
     by_rates: tuple[Array, Array],
@@ -196,8 +196,8 @@ def _left(
     most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
     first, second = c1 @ at_once + c2 @ rates + d1, c2 @ at_once + d2
     largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1), jnp.abs(c2) @ most + jnp.abs(d2)
-    there = [jnp.abs(total) > RATE_ROUND_OFF * size for total, size in zip((first, second), largest, strict=True)]
-    return jnp.where(there[1], 2, jnp.where(there[0], 1, 0))
+    significant = [jnp.abs(total) > RATE_ROUND_OFF * size for total, size in zip((first, second), largest, strict=True)]
+    return jnp.where(significant[1], 2, jnp.where(significant[0], 1, 0))
 
 
 def state_matrices(
@@ -271,7 +271,7 @@ def state_matrices(
 def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """State-space matrices, names of the states, and the error of kept modes in their band, None under a trace."""
     known = lin if lin.large else undifferentiated(lin)
-    traced, condensed, kept = not is_concrete(known), (), ()
+    traced, condensed, kept_modes = not is_concrete(known), (), ()
     plain: Any = None
     if lin.large:
         some = by_modes(lin, modes, bandwidth)
@@ -286,14 +286,14 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
         if not traced:
             plain = jax.tree.map(np.asarray, undifferentiated(form))
             refuse_idle_inputs(known, plain)
-        kept = chosen_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
-        names = [f"mode {i + 1}" for i in kept]
-        if not traced and not kept:
+        kept_modes = retained_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
+        names = [f"mode {i + 1}" for i in kept_modes]
+        if not traced and not kept_modes:
             names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
             if condensed and not names:
                 raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     orders, moves = tuple(form.orders.tolist()), tuple(form.moves.tolist())
-    realised = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept)
+    realised = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept_modes)
     if traced:
         # NaN in place of a rate of an input.
         d = jnp.where(realised.late > 0, jnp.nan, realised.matrices.D)
@@ -304,8 +304,8 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
     error = None
     if some is not None:
         error = error_of_large(lin, some, bandwidth, numbers)
-    elif kept:
-        error = error_of(known, kept, bandwidth, plain, numbers)
+    elif kept_modes:
+        error = error_of(known, kept_modes, bandwidth, plain, numbers)
     elif condensed and lin.matrices.M0.ndim == 2:
         _warn_of_lost_damping(known, plain, numbers)
     return realised.matrices, _names(names, lin, orders, shifted), error
@@ -318,16 +318,16 @@ def damped_without_mass(lin: Linearization) -> str:
     return lin.model.q_labels[condensed[0]] if np.any(damping[..., list(condensed), :]) else ""
 
 
-def _warn_of_lost_damping(lin: Linearization, whole: SecondOrder, found: StateMatrices) -> None:
+def _warn_of_lost_damping(lin: Linearization, form: SecondOrder, matrices: StateMatrices) -> None:
     """Warn if damping of massless motions, which states do not include, changes responses at frequencies of poles."""
     name = damped_without_mass(lin)
-    if not name or not found.B.size or not found.C.size:
+    if not name or not matrices.B.size or not matrices.C.size:
         return
-    a, b, c, d = (np.asarray(part) for part in found)
+    a, b, c, d = (np.asarray(part) for part in matrices)
     rates = np.unique(np.abs(np.linalg.eigvals(a)).round(9))
     right, by_states = [], []
     for w in rates[rates > 0][:MOST_COMPARED]:
-        k, forces, rows, through = whole.at(1j * w)
+        k, forces, rows, through = form.at(1j * w)
         right.append(rows @ np.linalg.solve(k, forces) + through)
         by_states.append(c @ np.linalg.solve(1j * w * np.eye(len(a)) - a, b) + d)
     if not right:
@@ -404,23 +404,26 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
         refuse_without_anything(lin)
     inputs, weights = lin.model.labels.inputs, lin.model.parameters.weights
     factors = np.abs(np.asarray(combined(inputs, None if weights is None else weights[0])))
-    sizes = sizes_of(lin.model.topology, lin.model.parameters)
+    sizes = coordinate_scales(lin.model.topology, lin.model.parameters)
     largest = np.max(sizes)
     size = factors @ np.array([max(1.0, largest) if s.of_element else sizes[s.index] for s in terms_of(inputs)])
     idle = set(range(len(inputs)))
     numbers = whole[:12] if whole.M.ndim > 2 else [matrix[None] for matrix in whole[:12]]
     for m, *parts in zip(_at_each_time(lin), *numbers, strict=True):
         fields: Any = (*parts, whole.orders, whole.moves)
-        now = SecondOrder(*fields)
+        state_form = SecondOrder(*fields)
         # Largest motion of each degree of freedom in extents and radians.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
         for i in sorted(idle):
             if whole.moves[i]:
-                acts = any(np.any(b[:, i]) for b in (now.B0, now.B1, now.B2))
+                acts = any(np.any(b[:, i]) for b in (state_form.B0, state_form.B1, state_form.B2))
             else:
-                acts = np.any(np.abs(now.B0[:, i]) > IDLE_INPUT * size[i] * reach)
-                acts = acts and not _drives_only_unseen(m, now, i, condensed)
-            seen = any(np.any(np.abs(d[:, i]) > IDLE_INPUT * max(1.0, size[i])) for d in (now.D0, now.D1, now.D2))
+                acts = np.any(np.abs(state_form.B0[:, i]) > IDLE_INPUT * size[i] * reach)
+                acts = acts and not _drives_only_unseen(m, state_form, i, condensed)
+            seen = any(
+                np.any(np.abs(d[:, i]) > IDLE_INPUT * max(1.0, size[i]))
+                for d in (state_form.D0, state_form.D1, state_form.D2)
+            )
             if acts or seen:
                 idle.discard(i)
     if idle:
@@ -431,17 +434,20 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
         )
 
 
-def _drives_only_unseen(m: Matrices, whole: SecondOrder, i: int, condensed: tuple[int, ...]) -> bool:
+def _drives_only_unseen(m: Matrices, form: SecondOrder, i: int, condensed: tuple[int, ...]) -> bool:
     """Whether an input acts only on massless motions that no output measures."""
     if not condensed:
         return False
-    force = whole.B0[:, i]
-    kept = np.array([j for j in range(len(force)) if j not in condensed], int)
+    force = form.B0[:, i]
+    kept_indices = np.array([j for j in range(len(force)) if j not in condensed], int)
     direct = response_without_mass(m.M0, m.K, condensed, force, np.linalg.solve)
-    left = np.abs(force - m.K @ direct)[kept] > IDLE_INPUT * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept]
-    if np.any(left):
+    unbalanced = (
+        np.abs(force - m.K @ direct)[kept_indices]
+        > IDLE_INPUT * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept_indices]
+    )
+    if np.any(unbalanced):
         return False
-    return not np.any(np.abs(whole.C0 @ direct) > IDLE_INPUT * (np.abs(whole.C0) @ np.abs(direct)))
+    return not np.any(np.abs(form.C0 @ direct) > IDLE_INPUT * (np.abs(form.C0) @ np.abs(direct)))
 
 
 @unguarded
@@ -508,9 +514,9 @@ def to_statespace(
         )
     matrices, states, error = _matrices_of(lin, modes, bandwidth)
     # python-control refuses dots in names.
-    clean = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]
+    labels = [[name.replace(".", " ") for name in names] for names in (states, inputs, outputs)]
     parts = [np.asarray(m) for m in matrices]
-    system: Any = control.StateSpace(*parts, states=clean[0], inputs=clean[1], outputs=clean[2])
+    system: Any = control.StateSpace(*parts, states=labels[0], inputs=labels[1], outputs=labels[2])
     if error is not None:
         system.truncation_error = error
     return system

@@ -7,14 +7,14 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, as_whole, by_library, check_number, check_whole, is_concrete, shown
+from ..arguments import as_known, as_whole, by_library, check_number, check_whole, is_concrete, short_repr
 from ..errors import warn
 from ..linear.linearize import Linearization
 from ..linear.modes import check_spectrum, modal_frequencies, refuse_unsymmetric
-from ..linear.sparse_solve import lowest, solved
+from ..linear.sparse_solve import lowest, sparse_solution
 from ..linear.spectrum import shift_to_definite, spectrum, to_frequency
-from ..math.by_deformations import spread
-from ..math.element_matrices import between, times
+from ..math.by_deformations import motions_from_free
+from ..math.element_matrices import matrix_times, quadratic_form
 from ..math.linear import factorise
 from ..numerical_limits import IDLE_RESPONSE, STILL_MODE, TRUNCATION_ERROR
 from .harmonic import solutions
@@ -44,7 +44,7 @@ class ByModes(NamedTuple):
     hertz: Float[Array, "n"]
 
 
-def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, ...]:
+def retained_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, ...]:
     """Ascending numbers of the modes to keep in degrees of freedom, from 0; raise for wrong `modes` or `bandwidth`."""
 
     def every(_: int):
@@ -52,18 +52,18 @@ def chosen_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, .
         check_spectrum(result, True, lin)
         return hertz[np.isfinite(hertz)], None
 
-    _refuse_both(lin, modes, bandwidth)
+    _refuse_both_given(lin, modes, bandwidth)
     if lin.matrices.M0.ndim > 2:
         raise ValueError("Modes need one state, but this linearisation is along a motion. Give lin.at_time(0).")
     if not is_concrete((lin.matrices, bandwidth)):
-        return numbered(modes, lin.matrices.M0.shape[0])
+        return ascending_modes(modes, lin.matrices.M0.shape[0])
     hertz, _ = every(0)
-    kept = numbered(modes, len(hertz)) if bandwidth is None else _below(bandwidth, len(hertz), every)[0]
-    _refuse_left_out(kept, hertz)
-    return kept
+    kept_modes = ascending_modes(modes, len(hertz)) if bandwidth is None else _below(bandwidth, len(hertz), every)[0]
+    _refuse_left_out(kept_modes, hertz)
+    return kept_modes
 
 
-def _refuse_both(lin: Linearization, modes: Any, bandwidth: Any) -> None:
+def _refuse_both_given(lin: Linearization, modes: Any, bandwidth: Any) -> None:
     if modes is not None and bandwidth is not None:
         raise ValueError("Give `modes` or `bandwidth`, not both: each chooses the modes to keep.")
     refuse_unsymmetric(lin.symmetric)
@@ -80,7 +80,8 @@ def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]
         below = np.flatnonzero(hertz <= bandwidth)
         if not len(below):
             raise ValueError(
-                f"Argument `bandwidth` = {shown(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz. No state"
+                f"Argument `bandwidth` = {short_repr(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz. No"
+                " state"
                 " would be left. Up to there the response is static: fm.frequency_response(model, 0.0)."
             )
         if len(below) < len(hertz) or count >= most:
@@ -88,9 +89,9 @@ def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]
         count *= 2
 
 
-def _refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
+def _refuse_left_out(kept_modes: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
     """Refuse to leave out a mode that does not vibrate, by ascending frequencies."""
-    out = [i for i in range(len(hertz)) if i not in kept and hertz[i] <= STILL_MODE * hertz[-1]]
+    out = [i for i in range(len(hertz)) if i not in kept_modes and hertz[i] <= STILL_MODE * hertz[-1]]
     if out:
         raise ValueError(
             f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz) and cannot follow statically. Keep it, as"
@@ -98,18 +99,20 @@ def _refuse_left_out(kept: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -
         )
 
 
-def numbered(modes: Any, count: int) -> tuple[int, ...]:
+def ascending_modes(modes: Any, count: int) -> tuple[int, ...]:
     """Ascending numbers of modes from the argument `modes`, for a count of modes."""
-    if (whole := as_whole(modes)) is not None:
-        if not 1 <= whole <= count:
-            raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {whole}.")
-        return tuple(range(whole))
+    if (n_modes := as_whole(modes)) is not None:
+        if not 1 <= n_modes <= count:
+            raise ValueError(f"Argument `modes` must be from 1 to {count}, the number of modes, but is {n_modes}.")
+        return tuple(range(n_modes))
     if not isinstance(modes, list | tuple | range | np.ndarray) or np.ndim(modes) != 1 or not len(modes):
-        raise TypeError(f"Argument `modes` must be a whole number, or numbers of modes from 0, not {shown(modes)}.")
+        raise TypeError(
+            f"Argument `modes` must be a whole number, or numbers of modes from 0, not {short_repr(modes)}."
+        )
     numbers = [check_whole("modes", number) for number in modes]
     if len(set(numbers)) < len(numbers) or min(numbers) < 0 or max(numbers) >= count:
         raise ValueError(
-            f"Argument `modes` must be numbers of modes from 0 to {count - 1}, each once, but is {shown(modes)}."
+            f"Argument `modes` must be numbers of modes from 0 to {count - 1}, each once, but is {short_repr(modes)}."
         )
     return tuple(sorted(numbers))
 
@@ -124,19 +127,19 @@ def truncated(
     shift, _, _ = shift_to_definite(k, m)
     values, shapes, _, _ = spectrum(k, m)
     others = np.array([i for i in range(len(values)) if i not in kept], int)
-    keep, left = shapes[:, np.array(kept)], shapes[:, others]
+    keep, other_shapes = shapes[:, np.array(kept)], shapes[:, others]
     inertia = m @ keep
     # Motions without mass have infinite values and no shape: the first term includes them.
     massive = jnp.isfinite(values[others])
-    rest = jnp.where(massive, values[others], 1.0)
+    other_values = jnp.where(massive, values[others], 1.0)
     factors = factorise(k + shift * m)
-    share = jnp.where(massive, shift / (rest * (rest + shift)), 0.0)
+    share = jnp.where(massive, shift / (other_values * (other_values + shift)), 0.0)
 
     def follows(forces: Float[Array, "n_q f"]):
         direct = factors.solve(forces - inertia @ (keep.T @ forces))
         # Round-off of soft kept modes would exceed the rest.
         direct = direct - keep @ (inertia.T @ direct)
-        return direct + left @ ((left.T @ forces) * share[:, None])
+        return direct + other_shapes @ ((other_shapes.T @ forces) * share[:, None])
 
     return keep, follows
 
@@ -144,10 +147,10 @@ def truncated(
 def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes:
     """Equations of a few modes of a large mechanism (THEORY.md 7, eq. (7.14), with R B_u from (7.17)).
 
-    Raises as :func:`chosen_modes`, ModelError for an input that moves nothing, and singular_stiffness for a motion
+    Raises as :func:`retained_modes`, ModelError for an input that moves nothing, and singular_stiffness for a motion
     without stiffness that is not kept.
     """
-    _refuse_both(lin, modes, bandwidth)
+    _refuse_both_given(lin, modes, bandwidth)
     if modes is None and bandwidth is None:
         raise ValueError("A state space of a large mechanism needs a choice of few modes. Give `modes` or `bandwidth`.")
     return by_library(_by_modes, lin, modes, bandwidth)
@@ -155,7 +158,7 @@ def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes
 
 def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
     """:func:`by_modes` by NumPy, from NumPy arrays, or by JAX."""
-    whole = large_second_order(lin)
+    large_form = large_second_order(lin)
     elements, n_x, (n, h) = lin.elements, lin.x.shape[0], lin.elements.unknowns
 
     def lowest_of(count: int):
@@ -163,30 +166,34 @@ def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: 
         return as_known(to_frequency(answer.values)), answer
 
     if bandwidth is None:
-        kept = numbered(modes, n - h)
-        modal = lowest_of(max(kept) + 1)[1]
+        kept_modes = ascending_modes(modes, n - h)
+        modal = lowest_of(max(kept_modes) + 1)[1]
     else:
-        kept, modal = _below(bandwidth, n - h, lowest_of)
+        kept_modes, modal = _below(bandwidth, n - h, lowest_of)
     hertz = as_known(to_frequency(modal.values))
     if is_concrete(hertz):
         hertz = hertz[np.isfinite(hertz)]
-        if max(kept) >= len(hertz):
-            raise ValueError(f"Argument `modes` = {shown(modes)}: {len(hertz)} modes of this mechanism have mass.")
-        _refuse_left_out(kept, np.asarray(hertz))
-    values, shapes = modal.values[np.array(kept)], modal.motions[:, np.array(kept)]
+        if max(kept_modes) >= len(hertz):
+            raise ValueError(f"Argument `modes` = {short_repr(modes)}: {len(hertz)} modes of this mechanism have mass.")
+        _refuse_left_out(kept_modes, np.asarray(hertz))
+    values, shapes = modal.values[np.array(kept_modes)], modal.motions[:, np.array(kept_modes)]
     # All others follow at once the inputs with their rates, and the damping of kept modes.
-    by_p = [b * (whole.orders >= i).astype(float) for i, b in enumerate(whole.B)]
-    acting = library.concatenate([*by_p, -times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
-    border = times(elements.mass, shapes, size=n_x)[elements.free]
+    by_p = [b * (large_form.orders >= i).astype(float) for i, b in enumerate(large_form.B)]
+    acting = library.concatenate([*by_p, -matrix_times(elements.damping, shapes, size=n_x)], axis=1)[elements.free]
+    border = matrix_times(elements.mass, shapes, size=n_x)[elements.free]
     right = library.concatenate([acting, library.zeros((h, acting.shape[1]))])
-    follows = spread(elements, as_known(solved(elements, right, border))[: acting.shape[0]])
-    n_u = len(whole.orders)
-    *at_once, by_rates = library.split(whole.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
-    d, (places, rates, second) = whole.D + library.stack(at_once), whole.C @ shapes
-    parts: list[Any] = [library.eye(len(kept)), between(elements.damping, shapes, shapes), library.diag(values)]
-    parts += [*(shapes.T @ b for b in whole.B), places, rates + by_rates, second, *d]
-    form = SecondOrder(*parts, orders=whole.orders, moves=whole.moves)
-    return ByModes(form, whole, kept, hertz)
+    follows = motions_from_free(elements, as_known(sparse_solution(elements, right, border))[: acting.shape[0]])
+    n_u = len(large_form.orders)
+    *at_once, by_rates = library.split(large_form.C[0] @ follows, [n_u, 2 * n_u, 3 * n_u], axis=1)
+    d, (places, rates, second) = large_form.D + library.stack(at_once), large_form.C @ shapes
+    parts: list[Any] = [
+        library.eye(len(kept_modes)),
+        quadratic_form(elements.damping, shapes, shapes),
+        library.diag(values),
+    ]
+    parts += [*(shapes.T @ b for b in large_form.B), places, rates + by_rates, second, *d]
+    form = SecondOrder(*parts, orders=large_form.orders, moves=large_form.moves)
+    return ByModes(form, large_form, kept_modes, hertz)
 
 
 def error_of(
@@ -205,48 +212,54 @@ def error_of(
     def full():
         for s in 2j * np.pi * grid:
             stiffness, forces, rows, through = whole.at(s)
-            both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
-            yield forces, rows, through, *np.split(both, [forces.shape[1]], 1)
+            solved_both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
+            yield forces, rows, through, *np.split(solved_both, [forces.shape[1]], 1)
 
-    return _told_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}")
+    return _warned_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}")
 
 
 def error_of_large(
     lin: Linearization, found: ByModes, bandwidth: float | None, small: Any
 ) -> Float[np.ndarray, "n_y n_u"]:
     """:func:`error_of` against solutions in all coordinates, at fewer frequencies."""
-    whole = found.whole
+    large_form = found.whole
     end, grid = _band(found.kept, bandwidth, np.asarray(found.hertz), FEW_POINTS, BESIDE[[0, -1]])
-    n_u, n = whole.B.shape[2], whole.elements.unknowns[0]
-    free, w = np.asarray(whole.elements.free), 2 * np.pi * grid
-    b, c, d = map(np.asarray, whole[1:4])
-    solved_at = np.asarray(solutions(whole.elements, w, whole.B.astype(complex), whole.C.astype(complex)))
+    n_u, n = large_form.B.shape[2], large_form.elements.unknowns[0]
+    free, w = np.asarray(large_form.elements.free), 2 * np.pi * grid
+    b, c, d = map(np.asarray, large_form[1:4])
+    solved_at = np.asarray(
+        solutions(large_form.elements, w, large_form.B.astype(complex), large_form.C.astype(complex))
+    )
 
     def full():
         for s, z in zip(1j * w, solved_at, strict=True):
-            by_u, powers = s ** -whole.orders.astype(float), s ** np.arange(3)
+            by_u, powers = s ** -large_form.orders.astype(float), s ** np.arange(3)
             forces, rows, through = (np.tensordot(powers, m, 1) for m in (b[:, free], c[:, :, free], d))
             yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
 
-    return _told_error(lin, grid, full(), small, end, str(len(found.kept)))
+    return _warned_error(lin, grid, full(), small, end, str(len(found.kept)))
 
 
 def _band(
-    kept: tuple[int, ...], bandwidth: float | None, hertz: np.ndarray, points: int, beside: np.ndarray
+    kept_modes: tuple[int, ...], bandwidth: float | None, hertz: np.ndarray, points: int, beside: np.ndarray
 ) -> tuple[float, np.ndarray]:
     """End of a band [Hz], and frequencies over two decades below it and beside each mode, none at a resonance."""
-    end = float(np.max(hertz[list(kept)])) if bandwidth is None else bandwidth
+    end = float(np.max(hertz[list(kept_modes)])) if bandwidth is None else bandwidth
     if end <= 0 or end <= STILL_MODE * hertz[-1]:
         # All kept modes have no stiffness: the band ends well below vibrations.
         vibrates = hertz[(hertz > 0) & (hertz > STILL_MODE * hertz[-1])]
         end = float(np.min(vibrates)) / 10 if len(vibrates) else 1.0
-    near = np.outer(hertz, beside).ravel()
-    grid = np.unique(np.concatenate([end * np.logspace(-2, 0, points), near[(near > 1e-2 * end) & (near <= end)]]))
-    apart = np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None]
-    return end, grid[np.all(apart, axis=1)]
+    beside_modes = np.outer(hertz, beside).ravel()
+    grid = np.unique(
+        np.concatenate(
+            [end * np.logspace(-2, 0, points), beside_modes[(beside_modes > 1e-2 * end) & (beside_modes <= end)]]
+        )
+    )
+    off_resonance = np.abs(grid[:, None] - hertz) > np.min(np.abs(BESIDE - 1)) / 2 * grid[:, None]
+    return end, grid[np.all(off_resonance, axis=1)]
 
 
-def _told_error(
+def _warned_error(
     lin: Linearization, grid: np.ndarray, full: Iterable[tuple[Any, ...]], small: Any, end: float, some: str
 ) -> Float[np.ndarray, "n_y n_u"]:
     """Largest error of responses, with a warning if it is large.
@@ -263,8 +276,8 @@ def _told_error(
         least = np.maximum(least, IDLE_RESPONSE * np.sqrt(np.outer(*sizes)))
     right = np.array(right)
     difference = np.abs(np.array(truncated_responses) - right)
-    size, near = np.abs(right), np.abs(np.log2(grid[:, None] / grid)) <= 0.5
-    usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in near]))
+    size, same_octave = np.abs(right), np.abs(np.log2(grid[:, None] / grid)) <= 0.5
+    usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in same_octave]))
     errors = np.where(np.max(size, axis=0) <= least, 0.0, difference / np.where(usual > 0, usual, 1.0))
     error = np.max(errors, axis=0, initial=0.0)
     if np.max(error, initial=0.0) > TRUNCATION_ERROR:

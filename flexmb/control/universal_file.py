@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..files import for_files
 from ..model.model import Port
 
@@ -38,12 +38,13 @@ class Responses(NamedTuple):
     input_ports: tuple[Port, ...]
 
 
-def write(response: Responses, path: str | os.PathLike) -> None:
+def write_responses(response: Responses, path: str | os.PathLike) -> None:
     """Write every response; see :meth:`FrequencyResponse.save`."""
     target, hertz, values = Path(path), response.hertz, response.response
     if target.suffix not in ENDINGS:
         raise ValueError(
-            f"A file of responses ends in {', '.join(ENDINGS)} or .csv, not '{clean(target.name)}'. For other programs"
+            f"A file of responses ends in {', '.join(ENDINGS)} or .csv, not '{printable(target.name)}'. For other"
+            " programs"
             " use to_pandas() or to_xarray()."
         )
     if len(hertz) < 2:
@@ -54,85 +55,91 @@ def write(response: Responses, path: str | os.PathLike) -> None:
         )
     for name in (*response.outputs, *response.inputs):
         if len(name) > LINE or not name.isprintable():
-            raise ValueError(f"A universal file has lines of {LINE} letters, which cannot hold '{clean(name)}'.")
+            raise ValueError(f"A universal file has lines of {LINE} letters, which cannot hold '{printable(name)}'.")
     pyuff = for_files("pyuff")
     if not target.parent.is_dir():
-        raise FileNotFoundError(f"There is no folder '{clean(target.parent)}'.")
-    own = {"outputs": response.output_ports, "inputs": response.input_ports}
-    ports = {kind: given or (Port(),) * len(getattr(response, kind)) for kind, given in own.items()}
-    numbers = _node_numbers([port.node for given in ports.values() for port in given])
+        raise FileNotFoundError(f"There is no folder '{printable(target.parent)}'.")
+    known_ports = {"outputs": response.output_ports, "inputs": response.input_ports}
+    ports = {kind: side_ports or (Port(),) * len(getattr(response, kind)) for kind, side_ports in known_ports.items()}
+    numbers = _node_numbers([port.node for side_ports in ports.values() for port in side_ports])
     even = _is_even(hertz)
     sets = [dict(SI)]
-    for i, (output, there) in enumerate(zip(response.outputs, ports["outputs"], strict=True)):
-        for j, (source, here) in enumerate(zip(response.inputs, ports["inputs"], strict=True)):
+    for i, (output, output_port) in enumerate(zip(response.outputs, ports["outputs"], strict=True)):
+        for j, (source, source_port) in enumerate(zip(response.inputs, ports["inputs"], strict=True)):
             sets.append({
                 "type": 58, "func_type": RESPONSE, "data": values[:, i, j].astype(complex), "x": hertz,
                 "abscissa_spacing": int(even), "abscissa_spec_data_type": FREQUENCY, "abscissa_axis_units_lab": "Hz",
                 "id1": "Frequency response by flexmb: response and reference in lines 4 and 5",
                 "id4": output, "id5": source,
-                **_about(there, numbers, "rsp", "ordinate"), **_about(here, numbers, "ref", "orddenom"),
+                **_about(output_port, numbers, "rsp", "ordinate"), **_about(source_port, numbers, "ref", "orddenom"),
             })  # fmt: skip
     if not even:
-        _tell_of_rounding(hertz)
+        _warn_rounding(hertz)
     pyuff.UFF(os.fspath(target)).write_sets(sets, "overwrite")
 
 
-def read(path: str | os.PathLike) -> Responses:
+def read_responses(path: str | os.PathLike) -> Responses:
     """Read all frequency responses of a file; see :meth:`FrequencyResponse.load`."""
     pyuff = for_files("pyuff")
     if not Path(path).is_file():
-        raise FileNotFoundError(f"There is no file '{clean(path)}'.")
+        raise FileNotFoundError(f"There is no file '{printable(path)}'.")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
             file = pyuff.UFF(os.fspath(path))
             kinds = [int(kind) for kind in file.get_set_types()]
-            sets, units = ([file.read_sets(n) for n, own in enumerate(kinds) if own == kind] for kind in (58, 164))
+            sets, units = (
+                [file.read_sets(n) for n, set_kind in enumerate(kinds) if set_kind == kind] for kind in (58, 164)
+            )
         except Exception as error:
-            raise ValueError(f"'{clean(path)}' is no universal file that pyuff can read: {clean(error)}") from error
-    sets = [one for one in sets if one["func_type"] == RESPONSE]
+            raise ValueError(
+                f"'{printable(path)}' is no universal file that pyuff can read: {printable(error)}"
+            ) from error
+    sets = [data_set for data_set in sets if data_set["func_type"] == RESPONSE]
     if not sets:
-        raise ValueError(f"'{clean(path)}' holds no frequency response (data set 58, function type {RESPONSE}).")
-    if len({(one["length"], one["force"]) for one in units}) > 1:
-        raise ValueError(f"'{clean(path)}' holds several systems of units (data set 164).")
-    found, outputs, inputs = {}, {}, {}
+        raise ValueError(f"'{printable(path)}' holds no frequency response (data set 58, function type {RESPONSE}).")
+    if len({(data_set["length"], data_set["force"]) for data_set in units}) > 1:
+        raise ValueError(f"'{printable(path)}' holds several systems of units (data set 164).")
+    responses, outputs, inputs = {}, {}, {}
     hertz = np.asarray(sets[0]["x"], float)
-    for one in sets:
-        output, source = _name(one, "rsp", "id4"), _name(one, "ref", "id5")
-        if np.shape(one["x"]) != hertz.shape or not np.allclose(one["x"], hertz, rtol=1e-9, atol=0):
-            raise ValueError(f"The responses of '{clean(path)}' are given at different frequencies.")
-        if (output, source) in found:
-            raise ValueError(f"'{clean(path)}' holds the response of '{output}' to '{source}' twice.")
-        factor = _to_si(path, one, units[0]) if units else None
-        found[output, source] = np.asarray(one["data"], complex) * (factor or 1.0)
-        ports = _port(one, "rsp", "ordinate"), _port(one, "ref", "orddenom")
+    for data_set in sets:
+        output, source = _name(data_set, "rsp", "id4"), _name(data_set, "ref", "id5")
+        if np.shape(data_set["x"]) != hertz.shape or not np.allclose(data_set["x"], hertz, rtol=1e-9, atol=0):
+            raise ValueError(f"The responses of '{printable(path)}' are given at different frequencies.")
+        if (output, source) in responses:
+            raise ValueError(f"'{printable(path)}' holds the response of '{output}' to '{source}' twice.")
+        factor = _to_si(path, data_set, units[0]) if units else None
+        responses[output, source] = np.asarray(data_set["data"], complex) * (factor or 1.0)
+        ports = _port(data_set, "rsp", "ordinate"), _port(data_set, "ref", "orddenom")
         if factor is not None:
             # Labels of units are those of the file.
             ports = tuple(port._replace(unit="") for port in ports)
         outputs.setdefault(output, ports[0])
         inputs.setdefault(source, ports[1])
-    if len(found) < len(outputs) * len(inputs):
-        missing = next((y, u) for y in outputs for u in inputs if (y, u) not in found)
-        raise ValueError(f"'{clean(path)}' lacks the response of '{missing[0]}' to '{missing[1]}'.")
-    response = np.stack([np.stack([found[y, u] for u in inputs], axis=-1) for y in outputs], axis=1)
+    if len(responses) < len(outputs) * len(inputs):
+        missing = next((y, u) for y in outputs for u in inputs if (y, u) not in responses)
+        raise ValueError(f"'{printable(path)}' lacks the response of '{missing[0]}' to '{missing[1]}'.")
+    response = np.stack([np.stack([responses[y, u] for u in inputs], axis=-1) for y in outputs], axis=1)
     return Responses(hertz, response, tuple(outputs), tuple(inputs), tuple(outputs.values()), tuple(inputs.values()))
 
 
-def _to_si(path: Any, one: dict[str, Any], units: dict[str, Any]) -> float | None:
+def _to_si(path: Any, data_set: dict[str, Any], units: dict[str, Any]) -> float | None:
     """Factor of a response in the units of a file, data set 164; None if they are SI units."""
     length, force = float(units["length"]), float(units["force"])
     if length == force == 1.0:
         return None
     sizes = []
     for point, ordinate in (("rsp", "ordinate"), ("ref", "orddenom")):
-        turns = abs(int(one[f"{point}_dir"])) > 3
-        kind = one.get(f"{ordinate}_spec_data_type")
+        turns = abs(int(data_set[f"{point}_dir"])) > 3
+        kind = data_set.get(f"{ordinate}_spec_data_type")
         if kind in (TYPES["position"], TYPES["velocity"], TYPES["acceleration"]):
             sizes.append(1.0 if turns else length)
         elif kind in (TYPES["force"], TYPES["reaction"]):
             sizes.append(force * length if turns else force)
         else:
-            raise ValueError(f"'{clean(path)}' is not in SI units and does not state the quantities of its signals.")
+            raise ValueError(
+                f"'{printable(path)}' is not in SI units and does not state the quantities of its signals."
+            )
     return sizes[1] / sizes[0]
 
 
@@ -157,29 +164,31 @@ def _about(port: Port, numbers: dict[str, int], point: str, ordinate: str) -> di
     }
 
 
-def _text(one: dict[str, Any], field: str) -> str:
-    found = str(one.get(field, "")).strip()
-    return "" if found.upper() == "NONE" else found
+def _text(data_set: dict[str, Any], field: str) -> str:
+    text = str(data_set.get(field, "")).strip()
+    return "" if text.upper() == "NONE" else text
 
 
-def _name(one: dict[str, Any], point: str, line: str) -> str:
+def _name(data_set: dict[str, Any], point: str, line: str) -> str:
     """Name of a signal, as it was written; of another program its node and direction."""
-    if "flexmb" in _text(one, "id1") and _text(one, line):
-        return _text(one, line)
-    return f"{one[f'{point}_node']} {_axis(one, point)}".strip()
+    if "flexmb" in _text(data_set, "id1") and _text(data_set, line):
+        return _text(data_set, line)
+    return f"{data_set[f'{point}_node']} {_axis(data_set, point)}".strip()
 
 
-def _axis(one: dict[str, Any], point: str) -> str:
-    direction = int(one[f"{point}_dir"])
+def _axis(data_set: dict[str, Any], point: str) -> str:
+    direction = int(data_set[f"{point}_dir"])
     axis = next((name for name, number in DIRECTIONS.items() if number == abs(direction)), "")
     return f"-{axis}" if direction < 0 else axis
 
 
-def _port(one: dict[str, Any], point: str, ordinate: str) -> Port:
-    quantity = next((name for name, own in TYPES.items() if own == one.get(f"{ordinate}_spec_data_type")), "")
-    unit = _text(one, f"{ordinate}_axis_units_lab").replace("^2", "²")
-    node = _text(one, f"{point}_ent_name") or str(one[f"{point}_node"])
-    return Port(node, _axis(one, point), quantity, unit)
+def _port(data_set: dict[str, Any], point: str, ordinate: str) -> Port:
+    quantity = next(
+        (name for name, number in TYPES.items() if number == data_set.get(f"{ordinate}_spec_data_type")), ""
+    )
+    unit = _text(data_set, f"{ordinate}_axis_units_lab").replace("^2", "²")
+    node = _text(data_set, f"{point}_ent_name") or str(data_set[f"{point}_node"])
+    return Port(node, _axis(data_set, point), quantity, unit)
 
 
 def _as_written(values: np.ndarray) -> np.ndarray:
@@ -192,7 +201,7 @@ def _is_even(hertz: np.ndarray) -> bool:
     return bool(np.allclose(first + step * np.arange(len(hertz)), hertz, rtol=1e-12, atol=0))
 
 
-def _tell_of_rounding(hertz: np.ndarray) -> None:
+def _warn_rounding(hertz: np.ndarray) -> None:
     off = np.abs(_as_written(hertz) - hertz)
     worst = int(np.argmax(off))
     if off[worst] > 1e-12 * hertz[worst]:

@@ -17,7 +17,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..files import naming, write_whole
 from ..results import RESULTS
 from .designs import Designs
@@ -44,19 +44,19 @@ class Stored:
     def __init__(self, path: Path, file: BinaryIO):
         self.path, self.file = path, file
         if file.read(len(MAGIC)) != MAGIC:
-            raise refusal(path, "is no checkpoint of a sweep, or its first record is damaged")
+            raise checkpoint_error(path, "is no checkpoint of a sweep, or its first record is damaged")
         head, of_designs = _next(file), _next(file)
         if not head or not of_designs:
-            raise refusal(path, "is damaged: it does not name its sweep")
+            raise checkpoint_error(path, "is damaged: it does not name its sweep")
         try:
-            said = json.loads(head)
-            self.meaning, self.answers, self.units = said["meaning"], list(said["answers"]), dict(said["units"])
+            header = json.loads(head)
+            self.meaning, self.answers, self.units = header["meaning"], list(header["answers"]), dict(header["units"])
             named = _unpacked(of_designs)
             axes = {name.removeprefix("axis "): a for name, a in named.items() if name.startswith("axis ")}
             values = {name.removeprefix("dimension "): a for name, a in named.items() if name.startswith("dim")}
             self.designs = Designs(values, axes)
         except (ValueError, KeyError, TypeError):
-            raise refusal(path, "is damaged: it does not name its sweep") from None
+            raise checkpoint_error(path, "is damaged: it does not name its sweep") from None
 
     def parts(self) -> Iterator[tuple[np.ndarray, Arrays, np.ndarray]]:
         """Designs, answers by name and codes of every complete record."""
@@ -64,7 +64,7 @@ class Stored:
         while (content := _next(self.file)) is not None:
             number += 1
             if not content:
-                raise refusal(self.path, f"is damaged: its record {number} does not agree with its checksum")
+                raise checkpoint_error(self.path, f"is damaged: its record {number} does not agree with its checksum")
             yield self._part(content, number)
 
     def _part(self, content: bytes, number: int) -> tuple[np.ndarray, Arrays, np.ndarray]:
@@ -74,20 +74,20 @@ class Stored:
             rows, codes = named.pop(""), named.pop("codes")
             values = {name.removeprefix("answer "): array for name, array in named.items()}
         except (ValueError, KeyError, TypeError):
-            raise refusal(self.path, f"is damaged: its record {number} is not as it was written") from None
+            raise checkpoint_error(self.path, f"is damaged: its record {number} is not as it was written") from None
         wrong = rows.ndim != 1 or codes.shape != rows.shape or rows.dtype != "<i8" or codes.dtype != "<i4"
         wrong = wrong or len(rows) == 0 or rows.min() < 0 or rows.max() >= self.designs.count
         wrong = wrong or not np.all(np.isin(codes, [int(code) for code in RESULTS]))
         if wrong or any(v.shape[:1] != rows.shape or v.dtype != "<f8" for v in values.values()):
-            raise refusal(self.path, f"is damaged: its record {number} has wrong shapes")
+            raise checkpoint_error(self.path, f"is damaged: its record {number} has wrong shapes")
         if values and set(values) != set(self.answers):
-            raise refusal(self.path, f"is damaged: its record {number} has other answers")
+            raise checkpoint_error(self.path, f"is damaged: its record {number} has other answers")
         return rows, values, codes
 
 
-def refusal(path: Path, why: str) -> ValueError:
+def checkpoint_error(path: Path, why: str) -> ValueError:
     """An error about a checkpoint, which is left unchanged."""
-    return ValueError(f"Checkpoint '{clean(path)}' {why}. Delete it or name another file.")
+    return ValueError(f"Checkpoint '{printable(path)}' {why}. Delete it or name another file.")
 
 
 class Checkpoint:
@@ -149,23 +149,24 @@ class Checkpoint:
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise ValueError(f"Checkpoint '{clean(self.path)}' is being written by another sweep.") from None
+            raise ValueError(f"Checkpoint '{printable(self.path)}' is being written by another sweep.") from None
         except OSError:
             # A file system without locks.
             return
 
     def _read(self, meaning: dict[str, Any]) -> None:
         stored = Stored(self.path, self.file)
-        different = [what for what in {**stored.meaning, **meaning} if stored.meaning.get(what) != meaning.get(what)]
+        different = [key for key in {**stored.meaning, **meaning} if stored.meaning.get(key) != meaning.get(key)]
         if different:
-            raise refusal(self.path, f"belongs to another sweep, which differs in: {', '.join(different)}")
+            raise checkpoint_error(self.path, f"belongs to another sweep, which differs in: {', '.join(different)}")
         self.parts, good = [], self.file.tell()
         for part in stored.parts():
             self.parts.append(part)
             good = self.file.tell()
         if good < self.path.stat().st_size:
             warn(
-                f"The last record of checkpoint '{clean(self.path)}' is incomplete, as after a kill. Its designs are"
+                f"The last record of checkpoint '{printable(self.path)}' is incomplete, as after a kill. Its designs"
+                " are"
                 " computed again."
             )
             self.file.truncate(good)
@@ -173,10 +174,10 @@ class Checkpoint:
 
 
 def _beginning(meaning: dict[str, Any], designs: Designs, answers: list[str], units: dict[str, str]) -> bytes:
-    said = {"meaning": meaning, "answers": answers, "units": units}
+    header = {"meaning": meaning, "answers": answers, "units": units}
     named = {f"dimension {name}": np.ascontiguousarray(v, "<f8") for name, v in designs.items()}
     named |= {f"axis {name}": np.ascontiguousarray(v, "<f8") for name, v in designs.axes.items()}
-    return MAGIC + _record(json.dumps(said).encode()) + _record(_packed(named))
+    return MAGIC + _record(json.dumps(header).encode()) + _record(_packed(named))
 
 
 def _record(content: bytes) -> bytes:
@@ -205,13 +206,13 @@ def _packed(arrays: Arrays) -> bytes:
 
 def _unpacked(content: bytes) -> Arrays:
     described, _, numbers = content.partition(b"\n")
-    found, first = {}, 0
+    arrays, first = {}, 0
     for name, kind, shape in json.loads(described):
         if kind not in TYPES:
             raise ValueError
         size = int(np.prod(shape, dtype=int))
-        found[name] = np.frombuffer(numbers, kind, size, first).reshape(shape)
-        first += found[name].nbytes
+        arrays[name] = np.frombuffer(numbers, kind, size, first).reshape(shape)
+        first += arrays[name].nbytes
     if first != len(numbers):
         raise ValueError
-    return found
+    return arrays

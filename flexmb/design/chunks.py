@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..build.carry import carried
+from ..build.carry import carried_choices
 from ..compilation.by_meaning import jit
-from ..compilation.threads import cores, each
+from ..compilation.threads import cores, in_threads
 from ..results import ANSWERED, RESULTS
 from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely
-from .possible import refusal
+from .possible import refusal_of_designs
 
 # The process that imported this module; a fork has another number.
 _IMPORTED_BY = os.getpid()
@@ -50,7 +50,7 @@ class Chunk(NamedTuple):
     real: int
 
 
-def part_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Chunk:
+def chunk_of(designs: Mapping[str, np.ndarray], rows: np.ndarray, size: int) -> Chunk:
     """A chunk of some designs."""
     filled = np.concatenate([rows, np.repeat(rows[-1:], size - len(rows))])
     return Chunk({name: array[filled] for name, array in designs.items()}, len(rows))
@@ -122,7 +122,7 @@ def _unpacked(sent: bytes) -> Callable[[Chunk], Values]:
 def kernel_of(task: Task, *, threads: int = 1) -> Callable[[Chunk], Values]:
     """The function that computes a chunk."""
     if not task.compiled or task.example is None:
-        return functools.partial(_one_by_one, task.build, task.functions)
+        return functools.partial(_concrete_values, task.build, task.functions)
     return _Compiled(task, task.example, threads)
 
 
@@ -136,7 +136,7 @@ class _Compiled:
         self.task, self.others = task, None
         models = build_once(task.build, example)
         self.program = jit(_mapped(task.build, task.functions, models, task.together))
-        self.refused = refusal(task.build, models, example)
+        self.refused = refusal_of_designs(task.build, models, example)
         self.example, self.threads, self.is_compiled = example, threads, False
 
     def __call__(self, part: Chunk) -> Values:
@@ -155,7 +155,7 @@ class _Compiled:
                 continue
             try:
                 other_values, other_codes = self.others(
-                    part_of(part.designs, rows, len(next(iter(part.designs.values()))))
+                    chunk_of(part.designs, rows, len(next(iter(part.designs.values()))))
                 )
             except (ValueError, *REFUSED):
                 # The other structure lacks an answer.
@@ -175,14 +175,16 @@ class _Compiled:
         count = len(refused)
         size = -(-count // self.threads)
         rows = [np.arange(first, min(first + size, count)) for first in range(0, count, size)]
-        pieces = [part_of(designs, own, size).designs for own in rows]
-        done = []
+        parts = [chunk_of(designs, portion, size).designs for portion in rows]
+        results = []
         if not self.is_compiled:
             # Compile before several threads run.
-            done, self.is_compiled = [self.program(pieces[0])], True
-        done += each(self.program, pieces[len(done) :], self.threads)
-        values = {name: np.concatenate([own[name] for own, _ in done])[: part.real] for name in done[0][0]}
-        codes = np.concatenate([codes for _, codes in done])[:count]
+            results, self.is_compiled = [self.program(parts[0])], True
+        results += in_threads(self.program, parts[len(results) :], self.threads)
+        values = {
+            name: np.concatenate([portion[name] for portion, _ in results])[: part.real] for name in results[0][0]
+        }
+        codes = np.concatenate([codes for _, codes in results])[:count]
         return values, np.where(refused, RESULTS.impossible_design, codes)[: part.real].astype(np.int32)
 
 
@@ -193,7 +195,7 @@ def _like(rows: np.ndarray, array: np.ndarray) -> np.ndarray:
 
 def _mapped(build: Build, functions: dict, models: list, together: int):
     def one(dimensions: dict[str, Any]):
-        with carried(models):
+        with carried_choices(models):
             return evaluate(build, functions, dimensions)
 
     def every(part: dict[str, Any]):
@@ -202,7 +204,7 @@ def _mapped(build: Build, functions: dict, models: list, together: int):
     return every
 
 
-def _one_by_one(build: Build, functions: dict, part: Chunk) -> Values:
+def _concrete_values(build: Build, functions: dict, part: Chunk) -> Values:
     rows, codes = [], []
     for i in range(part.real):
         values, code = evaluate_concretely(build, functions, {name: a[i] for name, a in part.designs.items()})
@@ -213,13 +215,13 @@ def _one_by_one(build: Build, functions: dict, part: Chunk) -> Values:
     for row in rows:
         for name, v in (row or {}).items():
             if v.shape != shapes[name]:
-                raise ValueError(one_shape(name, v.shape, shapes[name]))
+                raise ValueError(shape_message(name, v.shape, shapes[name]))
     empty = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
     stacked = {name: np.stack([(row or empty)[name] for row in rows]) for name in shapes}
     return stacked, np.array(codes, np.int32)
 
 
-def one_shape(name: str, shape: tuple, other: tuple) -> str:
+def shape_message(name: str, shape: tuple, other: tuple) -> str:
     """Message about an answer with different shapes."""
     return f"Answer '{name}' has shape {shape} in one design and {other} in another. Make the shapes equal."
 
@@ -239,7 +241,7 @@ def gathered(
         answers[name] = np.full((count, *shape), np.nan)
         for rows, values in known:
             if values.shape[1:] != shape:
-                raise ValueError(one_shape(name, values.shape[1:], shape))
+                raise ValueError(shape_message(name, values.shape[1:], shape))
             answers[name][rows] = values
         answers[name][failed] = np.nan
     return answers, codes

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .designs import numbers
+from .designs import double_numbers
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -36,12 +36,15 @@ class Curve:
         Raises:
             ValueError: Numbers are not finite, or the lengths differ.
         """
-        where, wanted = numbers("The places of a curve", over), numbers("The values of a curve", values)
-        if where.ndim != 1 or not len(where) or wanted.shape not in ((), where.shape):
-            shapes = f"{where.shape} places and {wanted.shape} values"
+        where, curve_values = (
+            double_numbers("The places of a curve", over),
+            double_numbers("The values of a curve", values),
+        )
+        if where.ndim != 1 or not len(where) or curve_values.shape not in ((), where.shape):
+            shapes = f"{where.shape} places and {curve_values.shape} values"
             raise ValueError(f"A curve has {shapes}. Give one value for each place.")
-        if not (np.all(np.isfinite(where)) and np.all(np.isfinite(wanted))):
+        if not (np.all(np.isfinite(where)) and np.all(np.isfinite(curve_values))):
             raise ValueError("The places and values of a curve must be finite.")
         object.__setattr__(self, "over", where)
-        object.__setattr__(self, "values", np.broadcast_to(wanted, where.shape))
+        object.__setattr__(self, "values", np.broadcast_to(curve_values, where.shape))
         object.__setattr__(self, "label", str(label))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments import WholeFromZero, check_whole, checked
 from ..display import Result, Summary, span
-from ..errors import clean
+from ..errors import printable
 
 # Memory: 8 bytes for each number. At a thousand designs a second they take three hours.
 MOST = 10_000_000
@@ -35,8 +35,8 @@ class Designs(Result, dict[str, np.ndarray]):
         Raises:
             ValueError: There are no designs, their numbers differ, or a value is no number.
         """
-        super().__init__({name: numbers(f"Dimension '{name}'", v) for name, v in values.items()})
-        self.axes = {name: numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
+        super().__init__({name: double_numbers(f"Dimension '{name}'", v) for name, v in values.items()})
+        self.axes = {name: double_numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
         for name, v in self.items():
             if v.ndim == 0 or len(v) == 0:
                 raise ValueError(f"Dimension '{name}' has no designs. Give one value for each design.")
@@ -73,7 +73,9 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
     Source:
         Cartesian product.
     """
-    values = {name: np.atleast_1d(numbers(f"Axis '{name}' of a grid", v)) for name, v in _together(axes, named).items()}
+    values = {
+        name: np.atleast_1d(double_numbers(f"Axis '{name}' of a grid", v)) for name, v in _together(axes, named).items()
+    }
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
             raise ValueError(f"Axis '{name}' of a grid must be a list of numbers, but has shape {v.shape}.")
@@ -85,10 +87,10 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
 def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of a dimension, finite and in this order."""
     try:
-        lower, upper = (numbers(f"Bounds of '{name}'", b) for b in bounds)
+        lower, upper = (double_numbers(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
-        given = clean(repr(bounds))
-        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {given}.") from None
+        text = printable(repr(bounds))
+        raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {text}.") from None
     if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
         raise ValueError(f"Bounds of '{name}' must be finite, but are {lower} and {upper}.")
     if not np.all(lower < upper):
@@ -152,27 +154,28 @@ def monte_carlo(count: DesignCount, distributions: Any = None, /, *, seed: Whole
     if hasattr(distributions, "draw"):
         return distributions.draw(count, named, seed)
     rng, drawn = np.random.default_rng(seed), {}
-    for name, given in _together(distributions, named).items():
-        if hasattr(given, "rvs"):
-            drawn[name] = given.rvs(size=count, random_state=rng)
+    for name, distribution in _together(distributions, named).items():
+        if hasattr(distribution, "rvs"):
+            drawn[name] = distribution.rvs(size=count, random_state=rng)
         else:
-            lower, upper = checked_bounds(name, given)
+            lower, upper = checked_bounds(name, distribution)
             drawn[name] = rng.uniform(lower, upper, (count, *lower.shape))
     return Designs(drawn)
 
 
-def _together(given: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
+def _together(table: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[str, Any]:
     """Dimensions of a dictionary and of keywords, without repetition."""
-    if given is not None and not isinstance(given, Mapping):
+    if table is not None and not isinstance(table, Mapping):
         raise TypeError(
-            f"Dimensions are {clean(repr(given))}. Give a dictionary by name, or keywords, after the number of designs."
+            f"Dimensions are {printable(repr(table))}. Give a dictionary by name, or keywords, after the number of"
+            " designs."
         )
-    if twice := [name for name in named if name in (given or {})]:
+    if twice := [name for name in named if name in (table or {})]:
         raise TypeError(f"Dimension '{twice[0]}' is in the dictionary and a keyword. Give it once.")
-    return {**(given or {}), **named}
+    return {**(table or {}), **named}
 
 
-def numbers(what: str, value: Any) -> np.ndarray:
+def double_numbers(what: str, value: Any) -> np.ndarray:
     """A number or an array of numbers in double precision."""
     try:
         array = np.asarray(value)
@@ -180,5 +183,5 @@ def numbers(what: str, value: Any) -> np.ndarray:
         # Lists of different lengths.
         array = np.asarray(None)
     if array.dtype.kind not in "iuf":
-        raise ValueError(f"{what} must be numbers, but got {clean(repr(value))}.")
+        raise ValueError(f"{what} must be numbers, but got {printable(repr(value))}.")
     return array.astype(float)

@@ -91,13 +91,13 @@ class Response:
 
     def transfer(self, hertz: np.ndarray) -> np.ndarray:
         """Response of outputs to inputs at each frequency."""
-        found = []
+        responses = []
         for w in 2 * np.pi * hertz:
             rates = (1j * w) ** np.arange(3)
             b, c, d = (np.tensordot(rates, matrices, 1) for matrices in (self.B, self.C, self.through))
             h = c @ np.linalg.solve(self.K - w**2 * self.M + 1j * w * self.D, b) + d
-            found.append(h / (1j * w) ** self.orders)
-        return np.array(found)
+            responses.append(h / (1j * w) ** self.orders)
+        return np.array(responses)
 
 
 def response(lin: Linearization, nodes: Sequence[str]) -> Response:
@@ -112,8 +112,8 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
             "The state is unstable: the stiffness K0 + N0 is not positive definite. Support or stiffen the free motion,"
             " or lower the load.",
         )
-    whole: Any = second_order(lin)
-    whole, dfx = whole._replace(M=np.asarray(whole.M)), np.asarray(m.DFx)
+    system: Any = second_order(lin)
+    system, dfx = system._replace(M=np.asarray(system.M)), np.asarray(m.DFx)
     extent = extent_of(lin.model.topology, lin.model.parameters)
     turns = [not s.of_element and not s.parts and labels.x[s.index].kind == "rotation" for s in labels.outputs]
     motions = [s.quantity in ("position", "velocity", "acceleration") for s in labels.outputs]
@@ -124,12 +124,12 @@ def response(lin: Linearization, nodes: Sequence[str]) -> Response:
     rows = [dfx[[*labels.known(node), *labels.coordinates(f"{node}.rotation")]] for node in nodes]
     return Response(
         K=K,
-        M=whole.M,
+        M=system.M,
         D=np.asarray(m.D0),
-        B=np.array([whole.B0, whole.B1, whole.B2]),
-        C=size * np.array([whole.C0, whole.C1, whole.C2]),
-        through=size * np.array([whole.D0, whole.D1, whole.D2]),
-        orders=whole.orders,
+        B=np.array([system.B0, system.B1, system.B2]),
+        C=size * np.array([system.C0, system.C1, system.C2]),
+        through=size * np.array([system.D0, system.D1, system.D2]),
+        orders=system.orders,
         kinds=tuple(kinds),
         nodes=np.concatenate(rows) if rows else np.zeros((0, dfx.shape[1])),
     )
@@ -152,8 +152,8 @@ def deviation(full: Response, lean: Response, bandwidth: float) -> Deviation:
     size = np.sqrt(np.abs(np.outer(np.diag(c0), np.diag(c0)))) if len(c0) else c0
     stiffness = max(stiffness, _largest(c - c0, size))
     hertz = bandwidth * np.linspace(1 / POINTS, 1, POINTS)
-    near = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), zero) - 1)
-    hertz = hertz[np.min(near, axis=1) > NEAR_RESONANCE]
+    distances = np.abs(hertz[:, None] / np.maximum(np.abs(theirs), zero) - 1)
+    hertz = hertz[np.min(distances, axis=1) > NEAR_RESONANCE]
     t, t0 = lean.transfer(hertz), full.transfer(hertz)
     largest = np.max(_sizes(t0, full.kinds), axis=0, keepdims=True, initial=0.0)
     return Deviation(float(frequencies), stiffness, _largest(t - t0, np.broadcast_to(largest, t.shape)))
@@ -173,6 +173,6 @@ def _largest(difference: np.ndarray, size: np.ndarray) -> float:
     return float(np.max(np.abs(difference)[fine] / size[fine], initial=0.0))
 
 
-def largest_of(deviations: list[Deviation]) -> Deviation:
+def largest_deviation(deviations: list[Deviation]) -> Deviation:
     """The largest of several deviations, for each number by itself."""
     return Deviation(*(max(column) for column in zip(*map(dataclasses.astuple, deviations), strict=True)))

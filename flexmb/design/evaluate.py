@@ -15,8 +15,8 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from ..arguments import noting
-from ..build.carry import carried, recorded
-from ..errors import AnalysisError, ModelError, SpacarError, clean
+from ..build.carry import carried_choices, collected_models
+from ..errors import AnalysisError, ModelError, SpacarError, printable
 from ..model.model import Model
 from ..questions.question import asked
 from ..results import ANSWERED, RESULTS, collected, worst_of
@@ -39,8 +39,10 @@ def traceable(what: str) -> Iterator[None]:
     try:
         yield
     except (jax.errors.JAXTypeError, jax.errors.JAXIndexError) as fault:
-        own = [frame for frame in traceback.extract_tb(fault.__traceback__) if not _is_of_libraries(frame.filename)]
-        where = f" in line {own[-1].lineno} of {Path(own[-1].filename).name} ({own[-1].line})" if own else ""
+        frames = [frame for frame in traceback.extract_tb(fault.__traceback__) if not _is_of_libraries(frame.filename)]
+        where = (
+            f" in line {frames[-1].lineno} of {Path(frames[-1].filename).name} ({frames[-1].line})" if frames else ""
+        )
         raise UntraceableError(
             f"{what} needs the number of a dimension{where}, which is unknown during compilation and differentiation."
             " Use jax.numpy (jnp.cos) instead of numpy and math, jnp.where instead of `if`, and no float() or int() of"
@@ -48,9 +50,9 @@ def traceable(what: str) -> Iterator[None]:
         ) from fault
 
 
-def told_of(build: Build) -> str:
+def subject_of(build: Build) -> str:
     """A function of dimensions, as the subject of a sentence."""
-    return f"The function of dimensions '{clean(str(getattr(build, '__name__', build)))}'"
+    return f"The function of dimensions '{printable(str(getattr(build, '__name__', build)))}'"
 
 
 def _is_of_libraries(file: str) -> bool:
@@ -63,28 +65,32 @@ def _is_of_libraries(file: str) -> bool:
 def named_answers(answers: Answers) -> dict[str, Callable[[Any], Any]]:
     """Functions of answers by name; TypeError, ValueError or KeyError if they are wrong."""
     if isinstance(answers, Mapping):
-        found: dict[str, Any] = dict(answers)
+        functions: dict[str, Any] = dict(answers)
     else:
         several = [answers] if isinstance(answers, str) or not isinstance(answers, Sequence) else list(answers)
-        found = {getattr(answer, "__name__", str(answer)): answer for answer in several}
-        if len(found) < len(several):
+        functions = {getattr(answer, "__name__", str(answer)): answer for answer in several}
+        if len(functions) < len(several):
             raise ValueError("Two answers have the same name. Give them as a dictionary of names and functions.")
-    for name, function in found.items():
+    for name, function in functions.items():
         if isinstance(function, str):
-            found[name] = asked(function)
+            functions[name] = asked(function)
         elif not callable(function):
-            raise TypeError(f"Answer '{clean(name)}' must be a function of the model, but is {clean(repr(function))}.")
-    if not found:
+            raise TypeError(
+                f"Answer '{printable(name)}' must be a function of the model, but is {printable(repr(function))}."
+            )
+    if not functions:
         raise ValueError("Give at least one answer: a function of the model, such as fm.frequencies.")
-    return found
+    return functions
 
 
-def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
+def check_answer_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Sequence[str]) -> None:
     """Refuse names that would collide in a table or a file."""
     for kind, names in (("Dimension", dimensions), ("Answer", answers)):
         for name in names:
             if not isinstance(name, str) or not name or not name.isprintable() or name.endswith(".npy"):
-                raise ValueError(f"{kind} '{clean(name)}' must have a name of printable letters, not ending in .npy.")
+                raise ValueError(
+                    f"{kind} '{printable(name)}' must have a name of printable letters, not ending in .npy."
+                )
             if name in reserved:
                 raise ValueError(f"{kind} '{name}' must have another name. The result uses this one.")
     for name in answers:
@@ -95,26 +101,26 @@ def check_names(dimensions: Sequence[str], answers: Sequence[str], reserved: Seq
 def check_dimensions(build: Build, names: Sequence[str]) -> None:
     """Refuse dimensions that a function does not accept, and report missing ones."""
     if not callable(build):
-        what = clean(repr(build))
-        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {what}.")
+        text = printable(repr(build))
+        raise TypeError(f"Argument `build` must be a function of dimensions that returns a model, but is {text}.")
     try:
         parameters = inspect.signature(build).parameters
     except (TypeError, ValueError):
         return
-    taken = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
-    known = [p.name for p in taken]
+    accepted = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+    known = [p.name for p in accepted]
     if not names:
         raise ValueError("Give at least one dimension.")
     listed = f"{getattr(build, '__name__', 'the function')}({', '.join(known)})"
     if not any(p.kind is p.VAR_KEYWORD for p in parameters.values()):
         for name in names:
             if name not in known:
-                near = difflib.get_close_matches(name, known, 1)
-                hint = f" Did you mean '{near[0]}'?" if near else ""
-                raise ValueError(f"Dimension '{clean(name)}' is not one of {clean(listed)}.{hint}")
-    missing = [p.name for p in taken if p.default is p.empty and p.name not in names]
+                similar = difflib.get_close_matches(name, known, 1)
+                hint = f" Did you mean '{similar[0]}'?" if similar else ""
+                raise ValueError(f"Dimension '{printable(name)}' is not one of {printable(listed)}.{hint}")
+    missing = [p.name for p in accepted if p.default is p.empty and p.name not in names]
     if missing:
-        raise ValueError(f"Dimension '{missing[0]}' of {clean(listed)} is not given.")
+        raise ValueError(f"Dimension '{missing[0]}' of {printable(listed)} is not given.")
 
 
 class Layout(NamedTuple):
@@ -131,10 +137,10 @@ class Layout(NamedTuple):
     @property
     def labels(self) -> list[str]:
         """A name for every entry: "width", or "height[3]" where there are several."""
-        found = []
+        labels = []
         for name, shape in zip(self.names, self.shapes, strict=True):
-            found += [name + (f"[{', '.join(map(str, at))}]" if at else "") for at in np.ndindex(*shape)]
-        return found
+            labels += [name + (f"[{', '.join(map(str, at))}]" if at else "") for at in np.ndindex(*shape)]
+        return labels
 
     def split(self, flat: Any) -> dict[str, Any]:
         """Named arrays from one vector, or from a vector with further axes."""
@@ -173,11 +179,11 @@ def evaluate(
     values = {}
     with collected() as codes:
         # `possible` finds designs that a concrete build refuses.
-        with traceable(told_of(build)), noting():
-            made = build(**dimensions)
+        with traceable(subject_of(build)), noting():
+            model = build(**dimensions)
         for name, function in answers.items():
             with traceable(f"Answer '{name}'"):
-                values[name] = _real(name, function(made))
+                values[name] = _real(name, function(model))
     code = worst_of(codes)
     undefined = jnp.array(False)
     for value in values.values():
@@ -193,11 +199,11 @@ def evaluate_concretely(
     """Answers and a code of RESULTS of one design, for analyses that cannot be traced."""
     try:
         try:
-            made = build(**dimensions)
+            model = build(**dimensions)
         except REFUSED:
             return None, int(RESULTS.impossible_design)
         with collected() as codes:
-            values = {name: np.asarray(_real(name, function(made))) for name, function in answers.items()}
+            values = {name: np.asarray(_real(name, function(model))) for name, function in answers.items()}
     except AnalysisError as fault:
         if fault.code not in RESULTS.__members__:
             raise
@@ -220,7 +226,7 @@ def _real(name: str, value: Any) -> Float[Array, "..."]:
 
 def build_once(build: Build, dimensions: Mapping[str, Any]) -> list[Model]:
     """Build on concrete numbers, which checks everything and finds degrees of freedom."""
-    with recorded() as models:
+    with collected_models() as models:
         build(**dimensions)
     return models
 
@@ -241,12 +247,12 @@ def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], lay
     """A function from one vector of dimensions to one vector of answers and their code, and the layout of answers."""
 
     def function(flat: Float[Array, "n"]):
-        with carried(models):
+        with carried_choices(models):
             values, code = evaluate(build, answers, layout.split(flat))
         return jnp.concatenate([jnp.ravel(v) for v in values.values()]), code
 
     def shapes(flat: Float[Array, "n"]):
-        with carried(models):
+        with carried_choices(models):
             return evaluate(build, answers, layout.split(flat))[0]
 
     size = sum(layout.sizes)

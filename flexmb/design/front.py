@@ -23,15 +23,15 @@ def nondominated(costs: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
         candidates = np.flatnonzero(open_)
         worse = _no_worse(block[candidates], block[candidates])
         np.fill_diagonal(worse, val=False)
-        kept = candidates[~worse.any(axis=0)]
-        good[first + kept] = True
-        front = np.concatenate([front, block[kept]])
+        undominated = candidates[~worse.any(axis=0)]
+        good[first + undominated] = True
+        front = np.concatenate([front, block[undominated]])
     return good[places.ravel()]
 
 
 def _no_worse(some: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Whether each of some is no worse in all costs than each of the others, (some, others)."""
-    found = np.ones((len(some), len(others)), bool)
+    no_worse = np.ones((len(some), len(others)), bool)
     for a, b in zip(some.T, others.T, strict=True):
-        found &= a[:, None] <= b
-    return found
+        no_worse &= a[:, None] <= b
+    return no_worse

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from ..arguments import ByName, check_whole, checked
-from ..errors import AnalysisError, clean, warn
+from ..errors import AnalysisError, printable, warn
 from ..results import RESULTS
 from .designs import Designs
 from .evaluate import Answers, Build
@@ -62,31 +62,33 @@ def robust_front(
     if options.get("choices"):
         raise ValueError("A front has no `choices`: make one for each combination.")
     if minimize == against:
-        raise ValueError(f"The front needs two different criteria, not '{clean(minimize)}' twice.")
+        raise ValueError(f"The front needs two different criteria, not '{printable(minimize)}' twice.")
     for name in (minimize, against):
         if name in (limits or {}):
-            raise ValueError(f"'{clean(name)}' is a criterion of the front and has a limit. Leave one of them out.")
-    both: dict[str, Any] = {minimize: (None, np.inf), against: (None, np.inf), **(limits or {})}
+            raise ValueError(f"'{printable(name)}' is a criterion of the front and has a limit. Leave one of them out.")
+    all_limits: dict[str, Any] = {minimize: (None, np.inf), against: (None, np.inf), **(limits or {})}
 
     def searched(criterion: str, start: Mapping[str, Any], **more: Any) -> Tuned:
-        wanted = {**both, **more}
-        return tune(build, answers, start, bounds, minimize=criterion, limits=wanted, throw=False, **options)
+        search_limits = {**all_limits, **more}
+        return tune(build, answers, start, bounds, minimize=criterion, limits=search_limits, throw=False, **options)
 
     ends = [searched(criterion, dimensions) for criterion in (minimize, against)]
     for criterion, end in zip((minimize, against), ends, strict=True):
         if end.result is not RESULTS.successful:
             raise AnalysisError(end.result.name, f"The least '{criterion}' was not found. {end.reason}")
-    found, missed = [ends[0]], 0
+    optima, missed = [ends[0]], 0
     for level in np.linspace(ends[0].answers[against], ends[1].answers[against], points)[1:-1]:
-        one = searched(minimize, found[-1].dimensions, **{against: (None, float(level))})
-        if one.result is RESULTS.successful:
-            found.append(one)
+        optimum = searched(minimize, optima[-1].dimensions, **{against: (None, float(level))})
+        if optimum.result is RESULTS.successful:
+            optima.append(optimum)
         else:
             missed += 1
     if missed:
         warn(f"Of {points} points of the front {missed} were not found and are left out. Give more `starts`.")
-    found.append(ends[1])
-    designs = Designs({name: np.stack([np.asarray(one.dimensions[name]) for one in found]) for name in dimensions})
-    values = {name: np.stack([np.asarray(one.answers[name]) for one in found]) for name in found[0].answers}
-    whole = Sweep(designs, values, np.zeros(len(found), np.int32), {})
-    return whole.pareto(minimize=[minimize, against])
+    optima.append(ends[1])
+    designs = Designs(
+        {name: np.stack([np.asarray(optimum.dimensions[name]) for optimum in optima]) for name in dimensions}
+    )
+    values = {name: np.stack([np.asarray(optimum.answers[name]) for optimum in optima]) for name in optima[0].answers}
+    results = Sweep(designs, values, np.zeros(len(optima), np.int32), {})
+    return results.pareto(minimize=[minimize, against])

@@ -27,64 +27,64 @@ def identity(*things: Any) -> str:
     return digest.hexdigest()
 
 
-def _add(digest: Any, thing: Any, within: tuple[int, ...]) -> None:
+def _add(digest: Any, value: Any, within: tuple[int, ...]) -> None:
     """Describe a thing; ``within`` are the things around it, to which it may refer."""
-    digest.update(f"{type(thing).__module__}.{type(thing).__qualname__}(".encode())
-    if id(thing) in within:
-        digest.update(f"^{len(within) - within.index(id(thing))}".encode())
+    digest.update(f"{type(value).__module__}.{type(value).__qualname__}(".encode())
+    if id(value) in within:
+        digest.update(f"^{len(within) - within.index(id(value))}".encode())
     else:
-        for part in _seen(thing):
+        for part in _readable_parts(value):
             if isinstance(part, bytes):
                 digest.update(len(part).to_bytes(8, "big") + part)
             else:
-                _add(digest, part, (*within, id(thing)))
+                _add(digest, part, (*within, id(value)))
     digest.update(b")")
 
 
-def _seen(thing: Any) -> list[Any]:
+def _readable_parts(value: Any) -> list[Any]:
     """Parts of a thing, as far as they can be read."""
     try:
-        return list(_parts(thing))
+        return list(_parts(value))
     except Exception:  # A user's class, a random key of JAX, a deleted array.
         return []
 
 
-def _parts(thing: Any) -> Iterator[Any]:
+def _parts(value: Any) -> Iterator[Any]:
     """Bytes, and further things to describe."""
-    if thing is None or isinstance(thing, bool | float | complex | str | bytes | type(...)):
-        yield repr(thing).encode("utf-8", "surrogatepass")
-    elif isinstance(thing, PurePath):
+    if value is None or isinstance(value, bool | float | complex | str | bytes | type(...)):
+        yield repr(value).encode("utf-8", "surrogatepass")
+    elif isinstance(value, PurePath):
         # The same file may have several paths.
-        yield thing.name
-    elif isinstance(thing, int):
+        yield value.name
+    elif isinstance(value, int):
         # Hexadecimal, since Python prints no integers of thousands of decimals.
-        yield f"{thing:x}".encode()
-    elif isinstance(thing, np.ndarray | np.generic | jax.Array) and not np.asarray(thing).dtype.hasobject:
-        array = np.asarray(thing)
+        yield f"{value:x}".encode()
+    elif isinstance(value, np.ndarray | np.generic | jax.Array) and not np.asarray(value).dtype.hasobject:
+        array = np.asarray(value)
         yield f"{array.dtype} {array.shape}".encode()
         yield np.ascontiguousarray(array).tobytes()
-    elif isinstance(thing, tuple | list):
-        yield from thing
-    elif isinstance(thing, dict):
-        for pair in thing.items():
+    elif isinstance(value, tuple | list):
+        yield from value
+    elif isinstance(value, dict):
+        for pair in value.items():
             yield from pair
-    elif isinstance(thing, set | frozenset):
-        yield from sorted(identity(entry).encode() for entry in thing)
-    elif isinstance(thing, functools.partial):
-        yield from (thing.func, thing.args, thing.keywords)
-    elif isinstance(thing, types.MethodType):
-        yield from (thing.__func__, thing.__self__)
-    elif isinstance(thing, types.FunctionType):
-        yield from _parts_of_function(thing)
-    elif isinstance(thing, types.CodeType):
-        yield from (thing.co_code, thing.co_consts, thing.co_names, thing.co_varnames, thing.co_freevars)
-    elif isinstance(thing, type | types.ModuleType | types.BuiltinFunctionType):
-        yield f"{getattr(thing, '__module__', '')}:{getattr(thing, '__qualname__', thing.__name__)}".encode()
-    elif dataclasses.is_dataclass(thing):
-        for field in dataclasses.fields(thing):
-            yield from (field.name, _still(getattr(thing, field.name)))
+    elif isinstance(value, set | frozenset):
+        yield from sorted(identity(entry).encode() for entry in value)
+    elif isinstance(value, functools.partial):
+        yield from (value.func, value.args, value.keywords)
+    elif isinstance(value, types.MethodType):
+        yield from (value.__func__, value.__self__)
+    elif isinstance(value, types.FunctionType):
+        yield from _parts_of_function(value)
+    elif isinstance(value, types.CodeType):
+        yield from (value.co_code, value.co_consts, value.co_names, value.co_varnames, value.co_freevars)
+    elif isinstance(value, type | types.ModuleType | types.BuiltinFunctionType):
+        yield f"{getattr(value, '__module__', '')}:{getattr(value, '__qualname__', value.__name__)}".encode()
+    elif dataclasses.is_dataclass(value):
+        for field in dataclasses.fields(value):
+            yield from (field.name, _unchanging(getattr(value, field.name)))
     else:
-        yield getattr(thing, "__wrapped__", None)
+        yield getattr(value, "__wrapped__", None)
 
 
 def _parts_of_function(function: types.FunctionType) -> Iterator[Any]:
@@ -93,7 +93,7 @@ def _parts_of_function(function: types.FunctionType) -> Iterator[Any]:
     yield from (function.__defaults__, function.__kwdefaults__)
     for cell in function.__closure__ or ():
         try:
-            yield _still(cell.cell_contents)
+            yield _unchanging(cell.cell_contents)
         except ValueError:
             # The captured variable is not set yet.
             yield None
@@ -103,12 +103,12 @@ def _parts_of_function(function: types.FunctionType) -> Iterator[Any]:
     for name in sorted(_names(function.__code__) & function.__globals__.keys()):
         known = function.__globals__[name]
         if not isinstance(known, types.FunctionType) or str(known.__module__).partition(".")[0] in (root, *LIBRARIES):
-            yield from (name, _still(known))
+            yield from (name, _unchanging(known))
 
 
-def _still(thing: Any) -> Any:
+def _unchanging(value: Any) -> Any:
     """A thing, or the type of a thing that may have changed."""
-    return type(thing) if isinstance(thing, list | dict | set) else thing
+    return type(value) if isinstance(value, list | dict | set) else value
 
 
 def _names(code: types.CodeType) -> set[str]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..checks.mobility import Mobility
-from ..display import Column, Labelled, Quantities, States, Summary, listed, measured, short
+from ..display import Column, Labelled, Quantities, States, Summary, listed, quantity_text, short
 from ..linear.stress import Location
 from ..model.model import Model
 from ..numerical_limits import EQUAL_OVER_STROKE, STRAIGHT_MOTION
@@ -105,7 +105,7 @@ class Verdict(Labelled):
             name: Name of the curve.
             state: Index of the stroke, from 0.
         """
-        return measured(float(self.curves[name][state]), self.units[name])
+        return quantity_text(float(self.curves[name][state]), self.units[name])
 
     def where(self, state: Any) -> str:
         """Return the stroke of a state as a text, such as "at 5 mm".
@@ -113,7 +113,7 @@ class Verdict(Labelled):
         Args:
             state: Index of the stroke, from 0.
         """
-        return f"at {measured(float(self.stroke[state]), self.unit)}"
+        return f"at {quantity_text(float(self.stroke[state]), self.unit)}"
 
     def states(self) -> States:
         """Return the mechanism at each stroke."""
@@ -130,14 +130,14 @@ class Verdict(Labelled):
         """Return the page, with one row for each subject."""
         rows = {subject: text for subject, text in rows_of(self).items() if text}
         if self.unanswered:
-            rows["not answered"] = "; ".join(f"{what}: {why}" for what, why in self.unanswered.items())
-        ends = " to ".join(measured(s, self.unit) for s in (self.stroke[0], self.stroke[-1]))
+            rows["not answered"] = "; ".join(f"{question}: {why}" for question, why in self.unanswered.items())
+        ends = " to ".join(quantity_text(s, self.unit) for s in (self.stroke[0], self.stroke[-1]))
         return Summary(f"Verdict on {self.driven}, {ends}: {self._judgement()}", rows, "verdict")
 
     def _judgement(self) -> str:
         reached = [limit for limit in self.limits if limit.stroke is not None]
         if reached:
-            return f"{reached[0].name} limits it to {measured(reached[0].stroke or 0.0, self.unit)}"
+            return f"{reached[0].name} limits it to {quantity_text(reached[0].stroke or 0.0, self.unit)}"
         if "stroke" in self.unanswered:
             return f"no more is known, {self.unanswered['stroke']}"
         text = "good enough" if self.limits else "nothing is known that limits it"
@@ -149,13 +149,15 @@ class Verdict(Labelled):
         lines = [title, *(f"  {name:<{width}}{text}" for name, text in rows.items()), ""]
         names = {f"stroke [{self.unit}]": self.stroke, **{f"{n} [{self.units[n]}]": c for n, c in self.curves.items()}}
         # Strokes are columns, so that further curves do not widen the page.
-        left = max(map(len, names)) + 2
-        return "\n".join(lines + [f"  {n:<{left}}" + "".join(f"{v:>10.3g}" for v in c) for n, c in names.items()])
+        label_width = max(map(len, names)) + 2
+        return "\n".join(
+            lines + [f"  {n:<{label_width}}" + "".join(f"{v:>10.3g}" for v in c) for n, c in names.items()]
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain keys and values for the JSON of the command line."""
-        found = self.sensitivities
-        table = {} if found is None else dict(zip(found.answers, found.table, strict=True))
+        sensitivities = self.sensitivities
+        table = {} if sensitivities is None else dict(zip(sensitivities.answers, sensitivities.table, strict=True))
         return {
             "driven": self.driven,
             "unit": self.unit,
@@ -166,7 +168,9 @@ class Verdict(Labelled):
             "units": self.units,
             "limits": [dataclasses.asdict(limit) for limit in self.limits],
             "overconstraints": self.mobility.overconstraints,
-            "sensitivities": {n: dict(zip(found.dimensions, row, strict=True)) for n, row in table.items() if found},
+            "sensitivities": {
+                n: dict(zip(sensitivities.dimensions, row, strict=True)) for n, row in table.items() if sensitivities
+            },
             "unanswered": self.unanswered,
             "not_judged": self.not_judged,
             "rows": self.summary().rows,
@@ -175,10 +179,10 @@ class Verdict(Labelled):
 
 def rows_of(page: Verdict) -> dict[str, str]:
     """Return the rows of the page by subject."""
-    curves, rest = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
+    curves, rest_index = page.curves, int(np.flatnonzero(page.stroke == 0)[0])
     force = curves["force"]
     low, high = (page.measured("force", i) for i in (most(-force), most(force)))
-    rows = {"drive force": f"{low} to {high}, stiffness {page.measured('drive stiffness', rest)} at rest"}
+    rows = {"drive force": f"{low} to {high}, stiffness {page.measured('drive stiffness', rest_index)} at rest"}
     if "stress" in curves:
         i = most(curves["stress"])
         place = page.places[i]
@@ -192,10 +196,10 @@ def rows_of(page: Verdict) -> dict[str, str]:
         ("parasitic motion", "parasitic", _parasitic),
     ):
         names = [name for name in curves if name.startswith(start)]
-        rows[subject] = "; ".join(text for name in names if (text := text_of(page, name, rest)))
+        rows[subject] = "; ".join(text for name in names if (text := text_of(page, name, rest_index)))
         rows[subject] = rows[subject] or ("none" if names else "")
     if hertz := [name for name in curves if name.startswith("frequency")]:
-        at_rest = listed([page.measured(name, rest) for name in hertz])
+        at_rest = listed([page.measured(name, rest_index) for name in hertz])
         i = most(-curves["frequency 1"])
         rows["frequencies"] = f"{at_rest} at rest; least {page.measured('frequency 1', i)} {page.where(i)}"
     rows["over-constraints"] = "; ".join(page.mobility.states().titles) or "none"
@@ -211,7 +215,7 @@ def most(values: np.ndarray) -> int:
     return int(np.flatnonzero(known >= top * (1 - np.sign(top) * EQUAL_OVER_STROKE))[-1])
 
 
-def _parasitic(page: Verdict, name: str, rest: int) -> str:
+def _parasitic(page: Verdict, name: str, rest_index: int) -> str:
     """Return the parasitic motion of the node along or about an axis; empty for no motion."""
     i = most(np.abs(page.curves[name]))
     if abs(page.curves[name][i]) <= STRAIGHT_MOTION * np.max(np.abs(page.stroke)):
@@ -219,16 +223,18 @@ def _parasitic(page: Verdict, name: str, rest: int) -> str:
     return f"{name.split()[-1]} {page.measured(name, i)} {page.where(i)}"
 
 
-def _stiffness(page: Verdict, name: str, rest: int) -> str:
+def _stiffness(page: Verdict, name: str, rest_index: int) -> str:
     """Return the stiffness of the node along or about an axis, and its loss over the stroke."""
     values, axis = page.curves[name], name.split()[-1]
     if np.all(np.isinf(values)):
         return f"{axis} rigid in the model"
     i = most(-values)
-    if not np.isfinite(values[rest]):
+    if not np.isfinite(values[rest_index]):
         return f"{axis} rigid at rest, {page.measured(name, i)} {page.where(i)}"
-    lost = f"{short(100 * (1 - values[i] / values[rest]))} % lost {page.where(i)}"
-    return f"{axis} {page.measured(name, rest)} at rest, {lost if values[i] < values[rest] else 'its least'}"
+    lost = f"{short(100 * (1 - values[i] / values[rest_index]))} % lost {page.where(i)}"
+    return (
+        f"{axis} {page.measured(name, rest_index)} at rest, {lost if values[i] < values[rest_index] else 'its least'}"
+    )
 
 
 def _stability(page: Verdict) -> str:
@@ -251,7 +257,9 @@ def _stability(page: Verdict) -> str:
 
 def _first(page: Verdict) -> str:
     """Return the limits that are reached; otherwise the most used limit."""
-    reached = [f"{limit.name} at {measured(s, page.unit)}" for limit in page.limits if (s := limit.stroke) is not None]
+    reached = [
+        f"{limit.name} at {quantity_text(s, page.unit)}" for limit in page.limits if (s := limit.stroke) is not None
+    ]
     if reached:
         return ", then ".join(reached)
     if not page.limits:
@@ -267,16 +275,18 @@ def _by_dimension(page: Verdict) -> str:
         return "give a function of the dimensions: fm.verdict(build, stroke, dimensions={'t': 0.5e-3, ..})"
     if not page.limits:
         return "no limit is known; .sensitivities has every curve by them"
-    found, first = page.sensitivities, page.limits[0]
-    row = found.table[found.answers.index(first.name)]
+    sensitivities, first = page.sensitivities, page.limits[0]
+    row = sensitivities.table[sensitivities.answers.index(first.name)]
     if not np.any(np.isfinite(row)):
         return f"{first.name} has no derivative by them"
     # For a limit with both ends, the upper end counts.
-    wanted = 1 if first.upper is None else -1
+    sign = 1 if first.upper is None else -1
     advice, sizes = [], np.abs(np.nan_to_num(row))
     for i in np.argsort(-sizes):
         if sizes[i] > EQUAL_OVER_STROKE * max(1.0, np.max(sizes)):
-            advice.append(f"{'larger' if row[i] * wanted > 0 else 'smaller'} {found.dimensions[i]} ({row[i]:+.3g})")
+            advice.append(
+                f"{'larger' if row[i] * sign > 0 else 'smaller'} {sensitivities.dimensions[i]} ({row[i]:+.3g})"
+            )
     return (
         f"{listed(advice)}: percent of {first.name} for one percent" if advice else f"none of them moves {first.name}"
     )

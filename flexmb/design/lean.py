@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_number, check_whole, shown
+from ..arguments import check_number, check_whole, short_repr
 from ..build.restrict import Restriction, can_be_tied, restrict
-from ..checks.mobility import constraints, motions_of
+from ..checks.mobility import allowed_motions, constraints
 from ..compilation.compile import unguarded
 from ..compilation.threads import one_thread
 from ..display import Result, Summary, listed
-from ..errors import AnalysisError, ModelError, clean, warn
+from ..errors import AnalysisError, ModelError, printable, warn
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
 from ..model.model import Model
 from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
 from ..questions.question import asked
-from .designs import numbers
-from .deviation import Deviation, Response, deviation, in_band, largest_of, response
+from .designs import double_numbers
+from .deviation import Deviation, Response, deviation, in_band, largest_deviation, response
 
 # Beams of a leaf spring in the full model.
 FINEST = 4
@@ -61,14 +61,16 @@ class Lean(Result):
 
     def summary(self) -> Summary:
         """Return the degrees of freedom of the lean model, and the error."""
-        full, kept, e = self.full.topology.n_q, self.model.topology.n_q, self.error
+        full, count, e = self.full.topology.n_q, self.model.topology.n_q, self.error
         rows = {
             "frequencies": f"{listed(self.frequencies, 'Hz')} within {100 * e.frequencies:.2g} %",
             "stiffness": f"within {100 * e.stiffness:.2g} %",
             "frequency response": f"within {100 * e.transfer:.2g} %",
             "left out": f"{len(self.fixed)} deformations FIXED, {self.ties} combinations tied",
         }
-        title = f"Lean up to {self.bandwidth:g} Hz: {kept} of {full} degrees of freedom ({listed(self.model.q_labels)})"
+        title = (
+            f"Lean up to {self.bandwidth:g} Hz: {count} of {full} degrees of freedom ({listed(self.model.q_labels)})"
+        )
         if self.in_deviations:
             rows["against scatter"] = self._against_scatter()
         return Summary(title, rows)
@@ -118,12 +120,14 @@ class Lean(Result):
         return "\n".join(lines)
 
 
-def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]) -> list[np.ndarray]:
+def _kept_motions(
+    full: list[Response], bandwidth: float, tolerance: float, bands: list[np.ndarray]
+) -> list[np.ndarray]:
     """Return the motions to keep at each state: modes of the band, and static responses until the tolerance is met.
 
     Each motion has an energy of 1.
     """
-    found = []
+    bases = []
     for state, shapes in zip(full, bands, strict=True):
         z = shapes / np.sqrt(np.einsum("ij,ij->j", shapes, state.K @ shapes))
         candidates = np.linalg.solve(state.K, state.directions.T)
@@ -133,14 +137,14 @@ def _kept(full: list[Response], bandwidth: float, tolerance: float, bands: list[
             # Missing part of each static response, and its share in energy.
             missing = candidates - z @ np.linalg.solve(z.T @ state.K @ z, z.T @ state.K @ candidates)
             size = np.einsum("ij,ij->j", missing, state.K @ missing)
-            whole = np.einsum("ij,ij->j", candidates, state.K @ candidates)
-            share = size / np.where(whole > 0, whole, 1.0) if size.size else np.zeros(0)
+            total = np.einsum("ij,ij->j", candidates, state.K @ candidates)
+            share = size / np.where(total > 0, total, 1.0) if size.size else np.zeros(0)
             if not share.size or np.max(share) < NO_MISSING_RESPONSE:
                 break
             most = int(np.argmax(share))
             z = np.column_stack([z, missing[:, most] / np.sqrt(size[most])])
-        found.append(z)
-    return found
+        bases.append(z)
+    return bases
 
 
 @one_thread()
@@ -194,10 +198,10 @@ def lean(
     check_question(model if isinstance(model, Model) else None, bandwidth, tolerance, nodes)
     if not isinstance(increments, Iterable):
         raise ModelError(
-            f"Argument `increments` must be a list of factors such as [0.0, 5.0], not {shown(increments)}."
+            f"Argument `increments` must be a list of factors such as [0.0, 5.0], not {short_repr(increments)}."
         )
     try:
-        increments = numbers("Argument `increments`", list(increments)).ravel().tolist()
+        increments = double_numbers("Argument `increments`", list(increments)).ravel().tolist()
         finest = check_whole("finest", finest, 2)
     except (TypeError, ValueError) as fault:
         raise ModelError(f"{fault} `finest` sets the beams of the full model.") from None
@@ -207,39 +211,39 @@ def lean(
     beams: dict[str, int] = {}
     spent = Deviation(0.0, 0.0, 0.0)
     if isinstance(model, Model):
-        whole = model
+        full_model = model
     else:
-        whole, beams, spent = _fewest_beams(model, bandwidth, tolerance, nodes, increments, finest)
-    states = [linearize(whole, increment=increment) for increment in increments]
+        full_model, beams, spent = _fewest_beams(model, bandwidth, tolerance, nodes, increments, finest)
+    states = [linearize(full_model, increment=increment) for increment in increments]
     full = [response(lin, nodes) for lin in states]
     shapes = []
     for lin in states:
-        found = modes(lin)
-        count = in_band(np.asarray(found.frequencies), bandwidth)
-        shapes.append(np.asarray(found.q_shapes)[:, :count])
+        eigenmodes = modes(lin)
+        count = in_band(np.asarray(eigenmodes.frequencies), bandwidth)
+        shapes.append(np.asarray(eigenmodes.q_shapes)[:, :count])
     theirs = full[0].frequencies()
     for same in SAME_DIRECTIONS:
         missed = NEGLIGIBLE_SHARE * tolerance if same < SAME_DIRECTIONS[0] else tolerance / 2
-        kept = _kept(full, bandwidth, missed, shapes)
-        decided = _decide(whole, states, kept, tolerance, same)
+        kept_motions = _kept_motions(full, bandwidth, missed, shapes)
+        decided = _decide(full_model, states, kept_motions, tolerance, same)
         if decided is None:
             continue
         restriction, fixed, ties = decided
-        small = restriction.of(whole)
+        small = restriction.of(full_model)
         try:
             small_responses = [response(linearize(small, increment=increment), nodes) for increment in increments]
         except AnalysisError:
             continue
         pairs = zip(full, small_responses, strict=True)
-        error = largest_of([deviation(a, b, bandwidth) for a, b in pairs]).plus(spent)
+        error = largest_deviation([deviation(a, b, bandwidth) for a, b in pairs]).plus(spent)
         if error.worst <= tolerance:
-            names = tuple(str(whole.labels.e[i]) for i in fixed)
+            names = tuple(str(full_model.labels.e[i]) for i in fixed)
             count = in_band(theirs, bandwidth) + 1
             question = bandwidth, tolerance, theirs[:count], small_responses[0].frequencies()[:count]
-            finer = build(**dict.fromkeys(beams, finest)) if questions and (build := _builder(model)) else whole
+            finer = build(**dict.fromkeys(beams, finest)) if questions and (build := _builder(model)) else full_model
             against = {name: float(asked(name)(small) - asked(name)(finer)) / s for name, s in questions.items()}
             _tell_beyond_scatter(against)
-            return Lean(small, whole, error, beams, names, ties, *question, restriction, against)
+            return Lean(small, full_model, error, beams, names, ties, *question, restriction, against)
     raise AnalysisError(
         "not_lean",
         f"No smaller model answers up to {bandwidth:g} Hz within {tolerance:g}. Allow a larger tolerance or ask for a"
@@ -254,7 +258,7 @@ def _builder(model: Any) -> Callable[..., Model] | None:
 def _deviation(name: str, size: Any) -> float:
     asked(name).parsed()
     try:
-        return float(check_number(f"deviations['{clean(name)}']", size, above=0))
+        return float(check_number(f"deviations['{printable(name)}']", size, above=0))
     except (TypeError, ValueError) as fault:
         raise ModelError(str(fault)) from None
 
@@ -277,13 +281,13 @@ def check_question(model: Model | None, bandwidth: float, tolerance: float, node
         except (TypeError, ValueError) as fault:
             raise ModelError(str(fault)) from None
     if isinstance(nodes, str) or not isinstance(nodes, Iterable):
-        raise ModelError(f"Argument `nodes` must be a list of names, such as ['top'], not {shown(nodes)}.")
+        raise ModelError(f"Argument `nodes` must be a list of names, such as ['top'], not {short_repr(nodes)}.")
     for node in nodes:
         if model is not None and not model.labels.coordinates(node):
-            raise ModelError(f"Argument `nodes`: the model has no node '{clean(node)}'.")
+            raise ModelError(f"Argument `nodes`: the model has no node '{printable(node)}'.")
 
 
-def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], tolerance: float, same: float):
+def _decide(model: Model, states: list[Linearization], kept_motions: list[np.ndarray], tolerance: float, same: float):
     """Return the restriction, the deformations to FIX and the number of ties; None if nothing is left out."""
     top = model.topology
     free = np.sort(np.asarray(top.e.free))
@@ -300,22 +304,22 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
         loaded = np.maximum(loaded, moved**2 / size if size > 0 else 0.0)
 
     def lost(chosen: Any, nulls: list[np.ndarray]) -> np.ndarray:
-        parts = zip(rows, nulls, stiffnesses, kept, strict=True)
+        parts = zip(rows, nulls, stiffnesses, kept_motions, strict=True)
         return np.max([loaded[chosen], *(_lost(a[chosen] @ null, null, k, z) for a, null, k, z in parts)], axis=0)
 
     # Effects in the undeformed mechanism, by which the restricted model chooses its degrees of freedom.
     undeformed = constraints(model)
-    motions, _ = motions_of(model, undeformed)
+    motions, _ = allowed_motions(model, undeformed)
     effects = undeformed.jacobian[free] @ motions
     effects = effects if isinstance(effects, np.ndarray) else effects.toarray()
     fixed: list[int] = []
     every = [*rows, effects]
-    nulls = [np.eye(own.shape[1]) for own in every]
+    nulls = [np.eye(matrix.shape[1]) for matrix in every]
     spent = 0.0
     for i in np.argsort(lost(np.arange(len(free)), nulls[:-1]), kind="stable"):
-        left = [own[i] @ null for own, null in zip(every, nulls, strict=True)]
+        left = [matrix[i] @ null for matrix, null in zip(every, nulls, strict=True)]
         if not all(
-            np.linalg.norm(row) > NO_MOTION * np.linalg.norm(own[i]) for row, own in zip(left, every, strict=True)
+            np.linalg.norm(row) > NO_MOTION * np.linalg.norm(matrix[i]) for row, matrix in zip(left, every, strict=True)
         ):
             continue
         cost = float(lost(np.array([i]), nulls[:-1])[0])
@@ -323,24 +327,24 @@ def _decide(model: Model, states: list[Linearization], kept: list[np.ndarray], t
             spent += cost
             fixed.append(int(i))
             nulls = [null @ np.linalg.svd(row[None])[2][1:].T for row, null in zip(left, nulls, strict=True)]
-    rest = np.setdiff1d(np.arange(len(free)), fixed)
-    basis, sizes, _ = np.linalg.svd(rows[0][rest] @ nulls[0], full_matrices=False)
+    remaining = np.setdiff1d(np.arange(len(free)), fixed)
+    basis, sizes, _ = np.linalg.svd(rows[0][remaining] @ nulls[0], full_matrices=False)
     basis = basis[:, sizes > NO_DIRECTION * np.max(sizes, initial=0.0)]
     patterns = []
-    for a, z, lin in zip(rows, kept, states, strict=True):
-        pattern = basis.T @ (a[rest] @ z)
+    for a, z, lin in zip(rows, kept_motions, states, strict=True):
+        pattern = basis.T @ (a[remaining] @ z)
         patterns.append(pattern / np.maximum(np.linalg.norm(pattern, axis=0), 1e-300))
-        moved = basis.T @ (np.asarray(lin.matrices.e)[free] * weight)[rest]
+        moved = basis.T @ (np.asarray(lin.matrices.e)[free] * weight)[remaining]
         if np.linalg.norm(moved) > 0:
             patterns.append(moved[:, None] / np.linalg.norm(moved))
     left, sizes, _ = np.linalg.svd(np.column_stack(patterns), full_matrices=True)
     count = int(np.sum(sizes**2 > same * np.max(sizes, initial=0.0) ** 2))
-    ties = (basis @ left[:, count:]).T * weight[rest]
+    ties = (basis @ left[:, count:]).T * weight[remaining]
     ties = ties / np.max(np.abs(ties), axis=1, keepdims=True) if len(ties) else ties
     if not fixed and not len(ties):
         return None
     chosen = [int(free[i]) for i in fixed]
-    return restrict(model, chosen, [int(free[i]) for i in rest], ties), chosen, len(ties)
+    return restrict(model, chosen, [int(free[i]) for i in remaining], ties), chosen, len(ties)
 
 
 def _lost(rows: np.ndarray, null: np.ndarray, stiffness: np.ndarray, kept: np.ndarray) -> np.ndarray:
@@ -379,20 +383,20 @@ def _fewest_beams(
         model = build(**counts)
         return model, [response(linearize(model, increment=s), nodes) for s in increments]
 
-    def difference(one: list[Response], other: list[Response]) -> Deviation:
-        return largest_of([deviation(a, b, bandwidth) for a, b in zip(one, other, strict=True)])
+    def difference(base: list[Response], other: list[Response]) -> Deviation:
+        return largest_deviation([deviation(a, b, bandwidth) for a, b in zip(base, other, strict=True)])
 
     counts: dict[str, int] = {name: finest for name in names}
     model, reference = responses(counts)
     # Convergence has order two or higher. The error is then at most a third of the change by the last doubling.
     half = difference(reference, responses(dict.fromkeys(names, max(finest // 2, 1)))[1])
-    left = Deviation(*(value / 3 for value in dataclasses.astuple(half)))
-    spent = left
+    finest_error = Deviation(*(value / 3 for value in dataclasses.astuple(half)))
+    spent = finest_error
     for name in names:
         while counts[name] > 1:
             fewer = counts | {name: counts[name] // 2}
             candidate, coarser = responses(fewer)
-            cost = difference(reference, coarser).plus(left)
+            cost = difference(reference, coarser).plus(finest_error)
             if cost.worst > tolerance / 2:
                 break
             counts, model, spent = fewer, candidate, cost

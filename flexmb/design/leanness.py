@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import jax
 import numpy as np
 
-from ..build.restrict import can_be_tied, released
+from ..build.restrict import can_be_tied, with_released
 from ..compilation.threads import one_thread
 from ..display import among
 from ..elements import planar, spatial
@@ -53,7 +53,7 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
     stiffness = np.diag(np.asarray(lin.matrices.S))
     fixed = [i for i in np.asarray(model.topology.e.fixed).tolist() if stiffness[i] > 0 and can_be_tied(model)[i]]
     if fixed:
-        fuller = linearize(released(model, fixed))
+        fuller = linearize(with_released(model, fixed))
         worst = deviation(response(fuller, nodes), response(lin, nodes), bandwidth)
         names = among(str(model.labels.e[i]) for i in fixed)
         if worst.worst > tolerance:
@@ -70,7 +70,7 @@ def too_lean(model: Model, *, bandwidth: float, tolerance: float = 0.01, nodes: 
 
 def _own_vibrations(model: Model) -> list[tuple[str, float]]:
     """First natural frequency of each SPACAR beam with both ends held, by name [Hz]."""
-    found = []
+    frequencies = []
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         if block.element.usual not in (planar.beam, spatial.beam) or "stiffness" not in block.companions:
             continue
@@ -86,5 +86,5 @@ def _own_vibrations(model: Model) -> list[tuple[str, float]]:
         with np.errstate(divide="ignore"):
             hertz = (CLAMPED / length) ** 2 * np.sqrt(softest / mass) / (2 * np.pi)
         names = [model.labels.e[row[0]].of for row in np.asarray(block.e)]
-        found += [(n, float(f)) for n, f in zip(names, hertz, strict=True) if np.isfinite(f)]
-    return found
+        frequencies += [(n, float(f)) for n, f in zip(names, hertz, strict=True) if np.isfinite(f)]
+    return frequencies

@@ -25,10 +25,10 @@ class _Meeting:
             self.asked[search] = np.array(unit, float)
             self._meet()
             self.changed.wait_for(lambda: search in self.answered)
-            found = self.answered.pop(search)
-        if isinstance(found, BaseException):
-            raise found
-        return found
+            answer = self.answered.pop(search)
+        if isinstance(answer, BaseException):
+            raise answer
+        return answer
 
     def leave(self) -> None:
         """End a search."""
@@ -57,7 +57,7 @@ def in_lockstep(
     search: Callable[[Kernel, Any], Any], starts: Sequence[Any], kernel: Callable[[np.ndarray], tuple], size: int
 ) -> list[Any]:
     """Results of a search from every start, some at a time, each as if it were alone."""
-    found: list[Any] = []
+    results: list[Any] = []
     for first in range(0, len(starts), size):
         group = starts[first : first + size]
         meeting = _Meeting(kernel, size, len(group))
@@ -69,5 +69,5 @@ def in_lockstep(
                 meeting.leave()
 
         with ThreadPoolExecutor(len(group)) as pool:
-            found += list(pool.map(run, range(len(group)), group))
-    return found
+            results += list(pool.map(run, range(len(group)), group))
+    return results

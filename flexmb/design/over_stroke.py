@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import is_concrete
 from ..build.restrict import with_turn
 from ..compilation.compile import jit
-from ..display import listed, measured
+from ..display import listed, quantity_text
 from ..elements import spatial
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, ModelError, heard
@@ -25,7 +25,7 @@ from ..mechanics.loads import has_loads
 from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Model
 from ..numerical_limits import ALONG_AXIS, RIGID_NODE
-from ..questions.question import asked, axes_of, unit_of_question
+from ..questions.question import asked, components_of, unit_of_question
 from ..results import RESULTS
 from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
@@ -36,19 +36,19 @@ class StrokeQuestions:
     A question is a function of a state and of the coordinates at zero stroke. It returns numbers by name.
     """
 
-    def __init__(self, model: Model, what: StrokeDrive, node: str | None, count: int):
-        self.model, self.driven, self.count = model, what, count
-        driven_node = what.entry.of.removesuffix(".rotation") if what.kind == "x" else None
+    def __init__(self, model: Model, drive: StrokeDrive, node: str | None, count: int):
+        self.model, self.driven, self.count = model, drive, count
+        driven_node = drive.entry.of.removesuffix(".rotation") if drive.kind == "x" else None
         about = None
-        if driven_node is None and what.entry.of.startswith(TURN_OF):
+        if driven_node is None and drive.entry.of.startswith(TURN_OF):
             # The hinge of a rotation that Builder.prescribe prescribes.
-            driven_node, about = turned_by(what.entry.of)[0], _axis(model, what.index)
-        self.node, self.unit = driven_node if node is None else str(node), unit_of_driven(model, what)
+            driven_node, about = turned_by(drive.entry.of)[0], _axis(model, drive.index)
+        self.node, self.unit = driven_node if node is None else str(node), unit_of_driven(model, drive)
         self.parts = [p for p in (self.node, f"{self.node}.rotation") if p and model.labels.coordinates(p)]
         if node is not None and not self.parts:
             raise ModelError(f"Argument `node`: the model has no node '{node}'.")
-        self.axes = tuple(axes_of(model.labels, str(self.node))) if self.parts else ()
-        self.own = what.entry.symbol if self.node == driven_node else None
+        self.axes = tuple(components_of(model.labels, str(self.node))) if self.parts else ()
+        self.own = drive.entry.symbol if self.node == driven_node else None
         # Axis of rotation of the drive, (3,), which may be a coordinate axis.
         self.about = about if self.node == driven_node else None
         if self.about is not None and np.max(np.abs(self.about)) > ALONG_AXIS:
@@ -113,11 +113,11 @@ class StrokeQuestions:
         self.missing[stroke] = code.name
         sides = ([s for s in self.missing if s < 0], [s for s in self.missing if s > 0])
         nearest = [min(side, key=abs) for side in sides if side]
-        strokes = " and ".join(f"{measured(s, self.unit)} ({self.missing[s]})" for s in nearest)
+        strokes = " and ".join(f"{quantity_text(s, self.unit)} ({self.missing[s]})" for s in nearest)
         self.unanswered["stroke"] = f"no equilibrium was found at {strokes}"
         return None
 
-    def _stiffnesses(self, at: AtStroke, rest: Any) -> dict[str, Any]:
+    def _stiffnesses(self, at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
         """Stiffness of the node along every axis but the driven one, infinite if the model is rigid there."""
         node, m = self._checked_node(), at.held.matrices
         positions = np.isin(np.arange(len(m.x)), np.asarray(at.held.model.topology.axes))
@@ -125,11 +125,11 @@ class StrokeQuestions:
         stiffness = _along_axes(m.K, m.DFx, compliance(at.held, node), alike)
         return {f"stiffness {axis}": k for axis, k in zip(self.axes, stiffness, strict=True) if axis != self.own}
 
-    def _parasitic(self, at: AtStroke, rest: Any) -> dict[str, Any]:
+    def _parasitic(self, at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
         """Motion of the node from its place at zero stroke, along every axis but the driven one."""
         self._checked_node()
         parts = [self.model.labels.known(part) for part in self.parts]
-        moved = _moved(rest, at.held.x, parts, np.zeros(3) if self.about is None else self.about)
+        moved = _displacements(x_at_rest, at.held.x, parts, np.zeros(3) if self.about is None else self.about)
         return {f"parasitic {axis}": value for axis, value in zip(self.axes, moved, strict=True) if axis != self.own}
 
     def _checked_node(self) -> str:
@@ -137,13 +137,13 @@ class StrokeQuestions:
             raise ModelError("a deformation belongs to several nodes: give `node`")
         return self.node
 
-    def _frequencies(self, at: AtStroke, rest: Any) -> dict[str, Any]:
-        found = frequencies(at.free, count=self.count)
-        if is_concrete(found) and 0.0 not in self.values:
-            self.count = int(np.sum(np.isfinite(found)))
+    def _frequencies(self, at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
+        hertz = frequencies(at.free, count=self.count)
+        if is_concrete(hertz) and 0.0 not in self.values:
+            self.count = int(np.sum(np.isfinite(hertz)))
         if not self.count:
             raise ModelError("no motion of the model moves a mass")
-        return {f"frequency {i + 1}": found[i] for i in range(self.count)}
+        return {f"frequency {i + 1}": hertz[i] for i in range(self.count)}
 
     def say_what_is_missing(self) -> None:
         """Note limits that materials lack, and incremental loads, which the stroke replaces."""
@@ -152,12 +152,15 @@ class StrokeQuestions:
             if at_rest.left_out:
                 names = listed([repr(name) for name in at_rest.left_out])
                 self.unanswered[f"stress of {names}"] = "the section is given by its rigidities, without a shape"
-            for what, quantity, limit in (("yield", "strength", "strength"), ("fatigue", "fatigue", "fatigue limit")):
+            for question, quantity, limit in (
+                ("yield", "strength", "strength"),
+                ("fatigue", "fatigue", "fatigue limit"),
+            ):
                 borne = getattr(at_rest, quantity)
                 silent = np.ones(len(at_rest.names), bool) if borne is None else np.all(np.isinf(borne), axis=1)
                 if np.any(silent):
                     names = listed([repr(name) for name, lacks in zip(at_rest.names, silent, strict=True) if lacks])
-                    self.unanswered[what] = f"the material of {names} states no {limit}"
+                    self.unanswered[question] = f"the material of {names} states no {limit}"
         increment = self.model.parameters.increment
         others = () if increment is None else ("force", "gravity", "prestress", "temperature", "x", "e")
         if any(getattr(increment, n) is not None for n in others if not (self.driven.given and n == self.driven.kind)):
@@ -179,21 +182,21 @@ class StrokeQuestions:
     def numbers_at(self, model: Model, stroke: float, names: list[str]) -> Any:
         """Numbers at a stroke of a model that may be traced, (names,)."""
         model = with_turn(model, self.driven.entry.of.removeprefix(TURN_OF))
-        at, rest = self.driven.at(model, stroke), model.parameters.reference
+        at, x_at_rest = self.driven.at(model, stroke), model.parameters.reference
         if has_loads(self.driven.free, dataclasses.replace(model.parameters, increment=None)):
-            rest = self.driven.at(model, 0.0).held.x
-        found: dict[str, Any] = {}
+            x_at_rest = self.driven.at(model, 0.0).held.x
+        values: dict[str, Any] = {}
         for ask in self.questions.values():
-            found |= ask(at, rest)
-        return jnp.stack([jnp.asarray(found[name], float) for name in names])
+            values |= ask(at, x_at_rest)
+        return jnp.stack([jnp.asarray(values[name], float) for name in names])
 
 
 def _axis(model: Model, index: int) -> np.ndarray | None:
     """Unit vector of the hinge whose angle is a deformation, (3,); None for another deformation."""
-    for block, own in zip(model.topology.blocks, model.parameters.properties, strict=True):
+    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         rows = np.flatnonzero(np.asarray(block.e)[:, :1] == index)
         if block.element is spatial.hinge and len(rows):
-            axis = np.asarray(own["axis"])[rows[0]]
+            axis = np.asarray(properties["axis"])[rows[0]]
             return axis / np.linalg.norm(axis)
     return None
 
@@ -203,13 +206,13 @@ def _stress(at: AtStroke) -> Stress:
         return stress(at.held.model, at=at.held)
 
 
-def _stresses(found: Stress) -> dict[str, Any]:
+def _stresses(stress: Stress) -> dict[str, Any]:
     """The largest stress, and its largest shares of strength and fatigue limit."""
-    numbers_of = {"stress": found.maximum}
-    if found.strength is not None:
-        numbers_of["yield"] = jnp.max(found.utilisation)
-    if found.fatigue is not None:
-        numbers_of["fatigue"] = jnp.max(found.fatigue_utilisation)
+    numbers_of = {"stress": stress.maximum}
+    if stress.strength is not None:
+        numbers_of["yield"] = jnp.max(stress.utilisation)
+    if stress.fatigue is not None:
+        numbers_of["fatigue"] = jnp.max(stress.fatigue_utilisation)
     return numbers_of
 
 
@@ -228,7 +231,7 @@ def _along_axes(
 
 
 @jit
-def _moved(
+def _displacements(
     rest: Float[Array, "n_x"], x: Float[Array, "n_x"], parts: list[Int[Array, "_n"]], about: Float[Array, "3"]
 ) -> list[Float[Array, ""]]:
     """Displacements of parts of a node, in space without the rotation about an axis unless it is zero."""
@@ -250,7 +253,7 @@ def _is_positive(k: Float[Array, "n n"]) -> Bool[Array, ""]:
     return is_positive_definite((k + k.T) / 2)
 
 
-def _buckling(at: AtStroke, rest: Any) -> dict[str, Any]:
+def _buckling(at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
     """Multiplier of the constant loads; zero if the mechanism is unstable though the drive holds it."""
     if any(block.element.force is not None for block in at.free.model.topology.blocks):
         raise ModelError("follower loads have no load multiplier: use fm.path")

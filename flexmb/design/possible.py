@@ -10,17 +10,17 @@ import jax
 import numpy as np
 
 from ..arguments import noting
-from ..build.carry import carried, recorded
+from ..build.carry import carried_choices, collected_models
 from ..build.sound import checks_of
 from ..compilation.compile import QUICK
 from ..errors import ModelError
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from .evaluate import told_of, traceable
+from .evaluate import subject_of, traceable
 
 
-def refusal(
+def refusal_of_designs(
     build: Callable[..., Any], models: list[Model], example: Mapping[str, Any]
 ) -> Callable[[Mapping[str, Any]], np.ndarray]:
     """Return a function from many designs to whether a concrete build would refuse each design, (designs,).
@@ -31,9 +31,9 @@ def refusal(
     """
 
     def numbers(dimensions: dict[str, Any]):
-        with carried(models), recorded() as made, noting() as conditions, traceable(told_of(build)):
+        with carried_choices(models), collected_models() as built, noting() as conditions, traceable(subject_of(build)):
             build(**dimensions)
-        return [model.parameters for model in made], conditions, [model.topology for model in made]
+        return [model.parameters for model in built], conditions, [model.topology for model in built]
 
     # All designs have the same elements.
     program = jax.jit(jax.vmap(numbers, out_axes=(0, 0, None)), compiler_options=QUICK)
@@ -43,14 +43,14 @@ def refusal(
         every_design = {
             name: np.concatenate([np.asarray(example[name], float)[None], v]) for name, v in designs.items()
         }
-        found = np.zeros(len(next(iter(every_design.values()))), bool)
+        impossible = np.zeros(len(next(iter(every_design.values()))), bool)
         every, conditions, topologies = jax.tree.map(np.asarray, program(every_design))
         for fine in conditions:
-            found |= ~fine & fine[0]
+            impossible |= ~fine & fine[0]
         for parameters, topology in zip(every, topologies, strict=True):
             for faulty in _faulty(parameters, topology):
-                found |= np.any(faulty & ~faulty[0], axis=1)
-        return found[1:]
+                impossible |= np.any(faulty & ~faulty[0], axis=1)
+        return impossible[1:]
 
     return refused
 
@@ -60,10 +60,10 @@ def _faulty(parameters: Parameters, topology: Topology) -> Iterator[np.ndarray]:
     for leaf in jax.tree.leaves(parameters):
         yield ~np.isfinite(leaf.reshape(len(leaf), -1))
     for ask, numbers, function in checks_of(parameters, topology):
-        yield _each(ask, numbers, function)
+        yield _impossible_elements(ask, numbers, function)
 
 
-def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[..., Any]) -> np.ndarray:
+def _impossible_elements(faults: Callable[[Any], list[str]], trees: Any, function: Callable[..., Any]) -> np.ndarray:
     """Return whether each element of each design has a fault, (designs, elements); equal numbers are checked once."""
     leaves, structure = jax.tree.flatten(trees)
     designs, elements = leaves[0].shape[:2]
@@ -83,5 +83,5 @@ def _each(faults: Callable[[Any], list[str]], trees: Any, function: Callable[...
             return True
 
     # The first check finds numbers that are not finite. Other checks may raise on them.
-    found = np.array([np.all(np.isfinite(row)) and faulty(row) for row in different], bool)
-    return found[places.ravel()].reshape(designs, elements)
+    is_faulty = np.array([np.all(np.isfinite(row)) and faulty(row) for row in different], bool)
+    return is_faulty[places.ravel()].reshape(designs, elements)

@@ -7,10 +7,10 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 from ..numerical_limits import TARGET_OF_TUNE_MET
 from .curve import Curve
-from .designs import numbers
+from .designs import double_numbers
 from .evaluate import Layout
 
 # Number of missed targets or violated constraints in a message.
@@ -118,34 +118,34 @@ def make_problem(
     """The problem of arguments of :func:`flexmb.tune`."""
     places = dict(zip(layout.names, np.split(np.arange(len(start)), np.cumsum(layout.sizes)[:-1]), strict=True))
     shapes, labels = dict(zip(layout.names, layout.shapes, strict=True)), layout.labels
-    given = [n for n in (minimize, maximize) if n is not None]
-    for name in (*given, *targets, *equal, *limits):
+    objectives = [n for n in (minimize, maximize) if n is not None]
+    for name in (*objectives, *targets, *equal, *limits):
         if not isinstance(name, str) or name not in places:
-            raise ValueError(f"There is no answer '{clean(name)}'. Answers are: {', '.join(places)}.")
-    if len(given) > 1:
+            raise ValueError(f"There is no answer '{printable(name)}'. Answers are: {', '.join(places)}.")
+    if len(objectives) > 1:
         raise ValueError(
             "Give either `minimize` or `maximize`. To weigh two answers, define an answer that combines them."
         )
-    if not (given or targets):
+    if not (objectives or targets):
         raise ValueError("Give an objective: `minimize`, `maximize` or `targets`.")
     weights = np.zeros(len(start))
-    for name in given:
+    for name in objectives:
         place = _place(name, places[name], shapes[name], "min" if minimize else "max")
         weights[place] = (1 if minimize else -1) / (abs(start[place]) or 1.0)
 
-    def rows(wanted: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
+    def rows(requirements: list[tuple[str, Any, float, str]], tightened: float) -> Rows:
         matrix, right, names = [], [], []
-        for name, value, sign, what in wanted:
+        for name, value, sign, kind in requirements:
             largest = np.max(np.abs(value.values)) if isinstance(value, Curve) else 0.0
-            for place, v in zip(places[name], _entries(name, shapes[name], value, what), strict=True):
-                if np.isinf(v) and what.endswith("limit") and v * sign > 0:
+            for place, v in zip(places[name], _entries(name, shapes[name], value, kind), strict=True):
+                if np.isinf(v) and kind.endswith("limit") and v * sign > 0:
                     continue
                 if not np.isfinite(v):
-                    raise ValueError(f"The {what} of '{name}' must be finite, but is {v}.")
+                    raise ValueError(f"The {kind} of '{name}' must be finite, but is {v}.")
                 scale = largest or abs(v) or abs(start[place]) or 1.0
                 matrix.append(np.eye(len(start))[place] * sign / scale)
                 right.append(sign * v / scale - tightened)
-                names.append(labels[place] if what in ("target", "value") else f"{labels[place]} ({what} {v:g})")
+                names.append(labels[place] if kind in ("target", "value") else f"{labels[place]} ({kind} {v:g})")
         return Rows(np.array(matrix).reshape(-1, len(start)), np.array(right), tuple(names))
 
     pairs = [(name, *limits_of(name, shapes[name], pair)) for name, pair in limits.items()]
@@ -169,20 +169,20 @@ def _place(name: str, places: np.ndarray, shape: tuple[int, ...], how: str) -> i
     return places[0]
 
 
-def _entries(name: str, shape: tuple[int, ...], value: Any, what: str) -> np.ndarray:
+def _entries(name: str, shape: tuple[int, ...], value: Any, kind: str) -> np.ndarray:
     """Numbers for the entries of an answer, (n,)."""
     if isinstance(value, Curve):
-        if what != "target":
-            raise ValueError(f"A curve can only be a target. Give numbers for the {what} of '{name}'.")
+        if kind != "target":
+            raise ValueError(f"A curve can only be a target. Give numbers for the {kind} of '{name}'.")
         if shape != value.values.shape:
             count = len(value.values)
             raise ValueError(f"The curve of target '{name}' has {count} places, but the answer has shape {shape}.")
         return value.values
     try:
-        return np.broadcast_to(numbers(what, value), shape).ravel()
+        return np.broadcast_to(double_numbers(kind, value), shape).ravel()
     except (TypeError, ValueError):
-        wanted = f"must be a number or of shape {shape}"
-        raise ValueError(f"The {what} of '{name}' {wanted}, but is {clean(repr(value))}.") from None
+        expected = f"must be a number or of shape {shape}"
+        raise ValueError(f"The {kind} of '{name}' {expected}, but is {printable(repr(value))}.") from None
 
 
 def limits_of(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
@@ -192,8 +192,8 @@ def limits_of(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
             raise ValueError
         lower, upper = pair
     except (TypeError, ValueError):
-        wanted = "must be two values, lower and upper, None for none"
-        raise ValueError(f"Limits of '{name}' {wanted}, but are {clean(repr(pair))}.") from None
+        expected = "must be two values, lower and upper, None for none"
+        raise ValueError(f"Limits of '{name}' {expected}, but are {printable(repr(pair))}.") from None
     if lower is None and upper is None:
         raise ValueError(f"Limits of '{name}' are both None. Leave them out.")
     low, high = (

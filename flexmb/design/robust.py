@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arguments import ByName, Count, WholeFromZero, check_number, check_whole, checked
 from ..display import Result, Summary, short
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..results import ANSWERED, RESULTS
 from .designs import MOST
 from .evaluate import Answers, Build, named_answers
@@ -114,7 +114,8 @@ class Robustness(Result):
         column = np.where(np.isin(self.samples.codes, ANSWERED), self.samples.column(name), np.nan)
         rows = int(np.nanargmin(column)), int(np.nanargmax(column))
         low, high = (
-            (float(column[row]), {own: values[row] for own, values in self.samples.designs.items()}) for row in rows
+            (float(column[row]), {parameter: values[row] for parameter, values in self.samples.designs.items()})
+            for row in rows
         )
         return low, high
 
@@ -126,7 +127,7 @@ class Robustness(Result):
         rows = {}
         if self.limits:
             rows["yield"] = _in_percent(self.fraction)
-            rows |= {f"within limits of {name}": _in_percent(one) for name, one in self.fractions.items()}
+            rows |= {f"within limits of {name}": _in_percent(share) for name, share in self.fractions.items()}
         for name, values in self.samples.answers.items():
             if values.ndim == 1:
                 parts = ", ".join(short(self.percentile(name, percent).value) for percent in SHOWN)
@@ -188,24 +189,24 @@ def robustness(
     names = list(named_answers(answers))
     for name in limits or {}:
         if name not in names:
-            raise ValueError(f"Limits of '{clean(name)}': there is no such answer ({', '.join(names)}).")
+            raise ValueError(f"Limits of '{printable(name)}': there is no such answer ({', '.join(names)}).")
     drawn = scatter.draw(samples, dimensions, seed)
     # The first design is the nominal one.
     every = {name: np.concatenate([value[None], drawn[name]]) for name, value in values.items()}
-    both = sweep(build, answers, every, chunk=chunk, together=together, progress=progress)
-    ran = both.selected(slice(1, None))
+    results = sweep(build, answers, every, chunk=chunk, together=together, progress=progress)
+    ran = results.selected(slice(1, None))
     answered = np.isin(ran.codes, ANSWERED)
     if np.sum(answered) < 2:
         raise ValueError(f"Fewer than two of {samples} mechanisms have answers: {ran.failures()}.")
-    if both.codes[0] not in ANSWERED:
-        warn(f"The nominal design has no answers ({RESULTS(int(both.codes[0])).name}).")
+    if results.codes[0] not in ANSWERED:
+        warn(f"The nominal design has no answers ({RESULTS(int(results.codes[0])).name}).")
     if not np.all(answered):
         without = f"Of {samples} mechanisms {np.sum(~answered)} have no answers ({ran.failures()})."
         warn(f"{without} They do not count as good in the yield.")
-    kept = {name: answered & _within(name, ran.answers[name], pair) for name, pair in (limits or {}).items()}
-    good = np.logical_and.reduce(list(kept.values())) if kept else answered
-    fractions = {name: _share(rows, level) for name, rows in kept.items()}
-    nominal = {name: array[0] for name, array in both.answers.items()}
+    within_limits = {name: answered & _within(name, ran.answers[name], pair) for name, pair in (limits or {}).items()}
+    good = np.logical_and.reduce(list(within_limits.values())) if within_limits else answered
+    fractions = {name: _share(rows, level) for name, rows in within_limits.items()}
+    nominal = {name: array[0] for name, array in results.answers.items()}
     return Robustness(nominal, dict(limits or {}), _share(good, level), fractions, ran, level)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 import jax.numpy as jnp
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 from .designs import checked_bounds
 from .evaluate import Layout
 
@@ -16,11 +16,11 @@ class Scaling:
 
     def __init__(self, layout: Layout, bounds: Mapping[str, Any], scales: Mapping[str, str]):
         """Check and keep the bounds."""
-        for what, given in (("Bounds", bounds), ("Scale", scales)):
-            for name in given:
+        for kind, by_name in (("Bounds", bounds), ("Scale", scales)):
+            for name in by_name:
                 if name not in layout.names:
                     listed = ", ".join(layout.names)
-                    raise ValueError(f"{what} of '{clean(name)}': there is no such dimension ({listed}).")
+                    raise ValueError(f"{kind} of '{printable(name)}': there is no such dimension ({listed}).")
         for name in layout.names:
             if name not in bounds:
                 raise ValueError(f"Dimension '{name}' has no bounds. Give lower and upper, or fix it in `build`.")
@@ -29,7 +29,7 @@ class Scaling:
         for name, (lower, _) in pairs.items():
             scale = scales.get(name, "log" if np.all(lower > 0) else "linear")
             if scale not in ("log", "linear"):
-                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {clean(repr(scale))}.")
+                raise ValueError(f"Scale of '{name}' must be 'log' or 'linear', but is {printable(repr(scale))}.")
             if scale == "log" and not np.all(lower > 0):
                 raise ValueError(f"Scale of '{name}' cannot be 'log', since its lower bound {lower} is not positive.")
             logarithmic[name] = scale == "log"
@@ -56,8 +56,8 @@ class Scaling:
         ratio = np.where(self.log, self.upper / np.where(self.log, self.lower, 1.0), 1.0)
         linear = self.lower + unit * (self.upper - self.lower)
         if isinstance(unit, np.ndarray):
-            found = np.where(self.log, self.lower * np.exp(unit * np.log(ratio)), linear)
-            return np.clip(found, self.lower, self.upper)
+            dimensions = np.where(self.log, self.lower * np.exp(unit * np.log(ratio)), linear)
+            return np.clip(dimensions, self.lower, self.upper)
         return jnp.where(self.log, self.lower * jnp.exp(unit * np.log(ratio)), linear)
 
     def slopes(self, unit: np.ndarray) -> np.ndarray:

@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ..display import Result, Summary, short
-from ..errors import clean
-from .designs import Designs, numbers
+from ..errors import printable
+from .designs import Designs, double_numbers
 from .evaluate import Layout, layout_of
 
 KINDS = ("normal", "lognormal", "uniform", "triangular")
@@ -78,10 +78,12 @@ class Scatter(Result):
     def summary(self) -> Summary:
         """Return the distribution of each parameter, and the correlations."""
         rows = {}
-        for name, one in self.spreads.items():
+        for name, spread in self.spreads.items():
             about = f" about {short(float(self.nominal[name]))}" if np.ndim(self.nominal.get(name, [0])) == 0 else ""
-            sizes = " to ".join(short(size) for size in one.sizes) if one.own is None else type(one.own).__name__
-            rows[name] = f"{one.kind} {sizes}{about}"
+            sizes = (
+                " to ".join(short(size) for size in spread.sizes) if spread.own is None else type(spread.own).__name__
+            )
+            rows[name] = f"{spread.kind} {sizes}{about}"
         rows |= {f"correlation of {a} and {b}": f"{value:g}" for (a, b), value in self.correlation.items()}
         return Summary(f"Scatter of {len(self.spreads)} parameters", rows)
 
@@ -102,17 +104,17 @@ class Scatter(Result):
         values = nominal_values(self, dimensions)
         layout = layout_of(values)
         scores = np.random.default_rng(seed).standard_normal((count, sum(layout.sizes)))
-        added, factor = applied(self, scores, layout)
+        added, factor = terms_and_factors(self, scores, layout)
         return Designs(layout.stacked(layout.join(values) * factor + added))
 
 
 def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return nominal values of dimensions and of other parameters with scatter; ValueError for a missing value."""
-    values = {name: numbers(f"Dimension '{name}'", value) for name, value in dimensions.items()}
+    values = {name: double_numbers(f"Dimension '{name}'", value) for name, value in dimensions.items()}
     values |= {name: value for name, value in scatter.nominal.items() if name not in values}
     for name in scatter.spreads:
         if name not in values:
-            raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")
+            raise ValueError(f"Scatter of '{printable(name)}' has no nominal value: give it in `nominal`.")
     return values
 
 
@@ -125,26 +127,26 @@ def even_scores(count: int, layout: Layout, seed: int) -> Float[np.ndarray, "cou
     return ndtri(np.clip(cube, 1e-16, 1 - 1e-16))
 
 
-def applied(scatter: Scatter, scores: np.ndarray, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+def terms_and_factors(scatter: Scatter, scores: np.ndarray, layout: Layout) -> tuple[np.ndarray, np.ndarray]:
     """Return terms [SI] and factors [-], both (count, n): a parameter is its nominal value times factor plus term.
 
     The scores, (count, n), are independent. The copula correlates them.
     """
     correlated = scores @ correlation_root(scatter, layout).T
     added, factor = np.zeros(scores.shape), np.ones(scores.shape)
-    for i, one in enumerate(by_label(scatter, layout)):
-        if one is not None:
-            deviation = one.of_scores(correlated[:, i])
-            (factor if one.relative else added)[:, i] += deviation
+    for i, spread in enumerate(by_label(scatter, layout)):
+        if spread is not None:
+            deviation = spread.of_scores(correlated[:, i])
+            (factor if spread.relative else added)[:, i] += deviation
     return added, factor
 
 
 def by_label(scatter: Scatter, layout: Layout) -> list[Spread | None]:
     """Return the distribution of each entry of the parameters; None for an entry without scatter."""
-    found: list[Spread | None] = []
+    spreads: list[Spread | None] = []
     for name, size in zip(layout.names, layout.sizes, strict=True):
-        found += [scatter.spreads.get(name)] * size
-    return found
+        spreads += [scatter.spreads.get(name)] * size
+    return spreads
 
 
 def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n"]:
@@ -155,9 +157,9 @@ def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n
         for name in pair:
             if name not in labels:
                 entries = " Name an entry, such as 'height[0]'." if name in layout.names else ""
-                raise ValueError(f"Correlation of '{clean(name)}': there is no such parameter.{entries}")
+                raise ValueError(f"Correlation of '{printable(name)}': there is no such parameter.{entries}")
             if spreads[labels.index(name)] is None:
-                raise ValueError(f"Correlation of '{clean(name)}': it has no scatter.")
+                raise ValueError(f"Correlation of '{printable(name)}': it has no scatter.")
         i, j = map(labels.index, pair)
         matrix[i, j] = matrix[j, i] = value
     try:
@@ -187,9 +189,9 @@ def moments(scatter: Scatter, values: Mapping[str, Any]) -> tuple[np.ndarray, np
         basis[k + 1] = (scores * basis[k] - np.sqrt(k) * basis[k - 1]) / np.sqrt(k + 1)
     n = len(point)
     series, variances = np.zeros((n, TERMS)), np.zeros(n)
-    for i, one in enumerate(by_label(scatter, layout)):
-        if one is not None:
-            deviation = one.of_scores(scores) * (point[i] if one.relative else 1.0)
+    for i, spread in enumerate(by_label(scatter, layout)):
+        if spread is not None:
+            deviation = spread.of_scores(scores) * (point[i] if spread.relative else 1.0)
             series[i] = basis @ (weight * deviation)
             variances[i] = weight @ deviation**2 - series[i, 0] ** 2
     root = correlation_root(scatter, layout)
@@ -239,53 +241,59 @@ def scatter(
     """
     if not isinstance(distributions, Mapping) or not distributions:
         raise ValueError("Give a dictionary of distributions by name of the parameter, at least one.")
-    spreads = {str(name): _spread(clean(name), given) for name, given in distributions.items()}
+    spreads = {str(name): _spread(printable(name), distribution) for name, distribution in distributions.items()}
     pairs: dict[tuple[str, str], float] = {}
     for pair, value in (correlation or {}).items():
-        what = f"Correlation of {clean(repr(pair))}"
+        subject = f"Correlation of {printable(repr(pair))}"
         if not isinstance(pair, tuple) or len(pair) != 2 or pair[0] == pair[1]:
-            raise ValueError(f"{what}: name two different parameters, such as ('left', 'right').")
+            raise ValueError(f"{subject}: name two different parameters, such as ('left', 'right').")
         for name in pair:
             if str(name).partition("[")[0] not in spreads:
-                raise ValueError(f"{what}: '{clean(name)}' has no scatter.")
-        number = numbers(what, value)
+                raise ValueError(f"{subject}: '{printable(name)}' has no scatter.")
+        number = double_numbers(subject, value)
         if number.shape or not -1 < number < 1:
-            raise ValueError(f"{what} is {value}. It must be a number between -1 and 1.")
+            raise ValueError(f"{subject} is {value}. It must be a number between -1 and 1.")
         if pair in pairs or pair[::-1] in pairs:
-            raise ValueError(f"{what} is given twice.")
+            raise ValueError(f"{subject} is given twice.")
         pairs[pair] = float(number)
-    values = {name: numbers(f"Nominal value of '{clean(name)}'", value) for name, value in (nominal or {}).items()}
+    values = {
+        name: double_numbers(f"Nominal value of '{printable(name)}'", value) for name, value in (nominal or {}).items()
+    }
     for name in values:
         if name not in spreads:
-            raise ValueError(f"Nominal value of '{clean(name)}': it has no scatter. Set it inside `build`.")
+            raise ValueError(f"Nominal value of '{printable(name)}': it has no scatter. Set it inside `build`.")
     return Scatter(spreads, pairs, values)
 
 
-def _spread(name: str, given: Any) -> Spread:
-    if hasattr(given, "ppf"):
-        lower, upper = np.asarray(given.ppf(np.array([REMOTE, 1 - REMOTE])), float)
+def _spread(name: str, distribution: Any) -> Spread:
+    if hasattr(distribution, "ppf"):
+        lower, upper = np.asarray(distribution.ppf(np.array([REMOTE, 1 - REMOTE])), float)
         least = BESIDE * (upper - lower)
         if not -np.inf < lower <= upper < np.inf or lower > least or upper < -least:
             raise ValueError(
                 f"Scatter of '{name}': deviations of the object lie from {lower:g} to {upper:g} and must enclose zero."
                 " They are added to the nominal value."
             )
-        return Spread("own", (), given)
-    kind, *sizes = ("normal", given) if not isinstance(given, Sequence) or isinstance(given, str) else given
+        return Spread("own", (), distribution)
+    kind, *sizes = (
+        ("normal", distribution)
+        if not isinstance(distribution, Sequence) or isinstance(distribution, str)
+        else distribution
+    )
     if kind not in KINDS:
         raise ValueError(
             f"Scatter of '{name}' must be a standard deviation, an object with ppf, or a tuple that begins with"
-            f" {', '.join(KINDS[:-1])} or {KINDS[-1]}, not {clean(repr(given))}."
+            f" {', '.join(KINDS[:-1])} or {KINDS[-1]}, not {printable(repr(distribution))}."
         )
-    found = numbers(f"Scatter of '{name}'", list(sizes)).ravel().tolist()
+    deviations = double_numbers(f"Scatter of '{name}'", list(sizes)).ravel().tolist()
     two = kind in ("uniform", "triangular")
-    if len(found) not in ((1, 2) if two else (1,)) or not np.all(np.isfinite(found)):
+    if len(deviations) not in ((1, 2) if two else (1,)) or not np.all(np.isfinite(deviations)):
         raise ValueError(f"Scatter of '{name}': {kind} takes {'one or two numbers' if two else 'one number'}.")
-    if two and len(found) == 2:
-        lower, upper = found
+    if two and len(deviations) == 2:
+        lower, upper = deviations
         if not lower <= 0 <= upper or lower == upper:
             raise ValueError(f"Scatter of '{name}': deviations from {lower:g} to {upper:g} must enclose zero.")
         return Spread(kind, (lower, upper))
-    if not found[0] > 0:
-        raise ValueError(f"Scatter of '{name}' is {found[0]:g}. It must be positive.")
-    return Spread(kind, (-found[0], found[0]) if two else (found[0],))
+    if not deviations[0] > 0:
+        raise ValueError(f"Scatter of '{name}' is {deviations[0]:g}. It must be positive.")
+    return Spread(kind, (-deviations[0], deviations[0]) if two else (deviations[0],))

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..compilation.by_meaning import jit
-from ..errors import clean
+from ..errors import printable
 from ..numerical_limits import (
     AT_BOUND,
     FIRST_STATIONARY,
@@ -96,7 +96,7 @@ class _Evaluations:
         return code == RESULTS.successful and bool(np.all(np.isfinite(values)) and np.all(np.isfinite(slopes)))
 
 
-def search(
+def search_from(
     problem: TuningProblem,
     kernel: Kernel,
     of_unit: Callable[[Any], Any],
@@ -128,14 +128,14 @@ def search(
         inner = _by_scipy(evaluate) if optimizer is None else _by_optax(problem, evaluate, of_unit, refused, optimizer)
         end, reason, result = _augmented(problem, evaluate, start, inner, tolerance)
     evaluate.budget += 2
-    found = evaluate(end)
-    if found is None:
+    evaluation = evaluate(end)
+    if evaluation is None:
         end, result = _best(problem, evaluate.history, tolerance), evaluate.failed
         reason = "the search ended at a design that fails"
-        found = evaluate(end) or (evaluate.history[-1][1], None)
-    values = found[0]
-    if result is RESULTS.successful and found[1] is not None:
-        result = _met_or_why(problem, np.clip(end, 0.0, 1.0), values, found[1], tolerance)
+        evaluation = evaluate(end) or (evaluate.history[-1][1], None)
+    values = evaluation[0]
+    if result is RESULTS.successful and evaluation[1] is not None:
+        result = _met_or_why(problem, np.clip(end, 0.0, 1.0), values, evaluation[1], tolerance)
     if not problem.only_targets and (missed := problem.missed(problem.targets(values))):
         reason += f"; of the targets, which count beside the rest, {', '.join(missed)}"
     objective, violation = float(problem.objective(values)), problem.violation(values)
@@ -152,8 +152,8 @@ def _met_or_why(
         return RESULTS.successful
     slope = slopes.T @ (problem.targets.matrix.T @ residual)
     outwards = np.where(unit < AT_BOUND, slope, np.where(unit > 1 - AT_BOUND, -slope, 0.0))
-    held = np.any(outwards > STATIONARY) or np.any(problem.limits(values) > -MISSED_TOLERANCES * tolerance)
-    return RESULTS.target_missed if held or problem.equal.names or not len(unit) else RESULTS.local_minimum
+    blocked = np.any(outwards > STATIONARY) or np.any(problem.limits(values) > -MISSED_TOLERANCES * tolerance)
+    return RESULTS.target_missed if blocked or problem.equal.names or not len(unit) else RESULTS.local_minimum
 
 
 def _is_least_squares_solver(optimizer: Any) -> bool:
@@ -183,17 +183,17 @@ def _least_squares(problem: TuningProblem, evaluate: _Evaluations, start: np.nda
     count = len(problem.targets.names)
 
     def residual(unit: np.ndarray):
-        found = evaluate(unit)
-        return np.full(count, np.nan) if found is None else problem.targets(found[0])
+        evaluation = evaluate(unit)
+        return np.full(count, np.nan) if evaluation is None else problem.targets(evaluation[0])
 
     def jacobian(unit: np.ndarray):
-        found = evaluate(unit)
-        return np.full((count, len(unit)), np.nan) if found is None else problem.targets.matrix @ found[1]
+        evaluation = evaluate(unit)
+        return np.full((count, len(unit)), np.nan) if evaluation is None else problem.targets.matrix @ evaluation[1]
 
     # The method starts inside the bounds.
     inside = np.clip(start, 1e-6, 1 - 1e-6)
     try:
-        found = scipy.optimize.least_squares(
+        solution = scipy.optimize.least_squares(
             residual,
             inside,
             jac=jacobian,  # pyright: ignore[reportArgumentType]
@@ -206,9 +206,9 @@ def _least_squares(problem: TuningProblem, evaluate: _Evaluations, start: np.nda
         )
     except _Stop:
         return _best(problem, evaluate.history, 0.0), "max_evaluations reached", RESULTS.not_optimal
-    far = problem.missed(found.fun)
+    far = problem.missed(solution.fun)
     reason = "nearest to the targets: " + ", ".join(far) if far else "all targets are met"
-    return found.x, reason, RESULTS.successful if found.status > 0 else RESULTS.not_optimal
+    return solution.x, reason, RESULTS.successful if solution.status > 0 else RESULTS.not_optimal
 
 
 def _by_optimistix(
@@ -222,8 +222,8 @@ def _by_optimistix(
         return problem.targets(values)
 
     def solve(angle: Float[Array, "n"]):
-        found = optimistix.least_squares(residual, solver, angle, max_steps=budget, throw=False)
-        return found.value, found.result == optimistix.RESULTS.successful
+        solution = optimistix.least_squares(residual, solver, angle, max_steps=budget, throw=False)
+        return solution.value, solution.result == optimistix.RESULTS.successful
 
     # At a bound the sine is flat.
     angle, good = jit(solve)(np.arcsin(2 * np.clip(start, 1e-3, 1 - 1e-3) - 1))
@@ -244,32 +244,32 @@ def _augmented(
     """Rounds of a bounded minimisation, with better multipliers or a larger weight in each."""
     multipliers = np.zeros(len(problem.equal.names)), np.zeros(len(problem.limits.names))
     constrained = bool(problem.equal.names or problem.limits.names)
-    weight, wanted, before, unit = FIRST_WEIGHT, FIRST_STATIONARY if constrained else STATIONARY, np.inf, start
+    weight, stationarity, before, unit = FIRST_WEIGHT, FIRST_STATIONARY if constrained else STATIONARY, np.inf, start
     nearest = np.inf, unit
     try:
         for _ in range(MAX_ROUNDS):
-            last, unit = unit, inner(unit, multipliers, weight, wanted)
-            found = evaluate(unit)
-            if found is None:
+            last, unit = unit, inner(unit, multipliers, weight, stationarity)
+            evaluation = evaluate(unit)
+            if evaluation is None:
                 end = _best(problem, evaluate.history, tolerance)
                 return end, "the search ran into designs that fail", evaluate.failed
-            values, slopes = found
+            values, slopes = evaluation
             violation = problem.violation(values)
-            left = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
+            gradient = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
             # A limit that is not reached has no multiplier at the optimum.
             updated = problem.updated(values, multipliers, weight)
             slack = np.max(np.abs(updated[1] * problem.limits(values)), initial=0.0)
             if violation <= tolerance and slack <= 10 * tolerance:
-                if left <= 10 * STATIONARY:
+                if gradient <= 10 * STATIONARY:
                     return unit, "the conditions of an optimum hold", RESULTS.successful
-                nearest = min(nearest, (left, unit), key=lambda pair: pair[0])
+                nearest = min(nearest, (gradient, unit), key=lambda pair: pair[0])
             # Multipliers do not help where round-off of the answers hides the descent.
-            stuck = violation <= tolerance and left > wanted and np.array_equal(unit, last)
+            stuck = violation <= tolerance and gradient > stationarity and np.array_equal(unit, last)
             if stuck or not constrained:
                 break
             if violation > max(VIOLATION_FALLS * before, tolerance) and weight < LARGEST_WEIGHT:
                 weight *= WEIGHT_GROWTH
-            multipliers, before, wanted = updated, violation, max(0.1 * wanted, STATIONARY)
+            multipliers, before, stationarity = updated, violation, max(0.1 * stationarity, STATIONARY)
     except _Stop:
         return _best(problem, evaluate.history, tolerance), "max_evaluations reached", RESULTS.not_optimal
     if nearest[0] <= NEARLY_STATIONARY or not constrained:
@@ -288,23 +288,23 @@ def _by_scipy(evaluate: _Evaluations):
 
     problem = evaluate.problem
 
-    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, wanted: float):
+    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, stationarity: float):
         known = [0.0]
 
         def merit(u: np.ndarray):
-            found = evaluate(u)
-            if found is None:
+            evaluation = evaluate(u)
+            if evaluation is None:
                 # Worse than all known values: the line search steps back.
                 return known[0] + 10 * (1 + abs(known[0])), np.zeros_like(u)
-            values, slopes = found
+            values, slopes = evaluation
             value = float(problem.lagrangian(values, multipliers, weight))
             known[0] = max(known[0], value)
             return value, slopes.T @ problem.slope(values, multipliers, weight)
 
-        options = {"ftol": 0.0, "gtol": wanted, "maxiter": 10_000, "maxfun": 100_000, "maxcor": 20}
+        options = {"ftol": 0.0, "gtol": stationarity, "maxiter": 10_000, "maxfun": 100_000, "maxcor": 20}
         limits = [(0.0, 1.0)] * len(unit)
-        found = scipy.optimize.minimize(merit, unit, jac=True, method="L-BFGS-B", bounds=limits, options=options)
-        return np.clip(found.x, 0.0, 1.0)
+        solution = scipy.optimize.minimize(merit, unit, jac=True, method="L-BFGS-B", bounds=limits, options=options)
+        return np.clip(solution.x, 0.0, 1.0)
 
     return inner
 
@@ -315,8 +315,8 @@ def _by_optax(
     import optax
 
     if not isinstance(optimizer, optax.GradientTransformation):
-        given = clean(repr(optimizer))
-        raise TypeError(f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {given}.")
+        text = printable(repr(optimizer))
+        raise TypeError(f"Argument `optimizer` must be an optimiser of optax such as optax.adam(1e-2), but is {text}.")
     rule = optax.with_extra_args_support(optimizer)
 
     def step(unit: Any, state: Any, multipliers: Any, weight: Any):
@@ -330,22 +330,22 @@ def _by_optax(
 
     compiled = jit(step)
 
-    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, wanted: float):
+    def inner(unit: np.ndarray, multipliers: tuple[Any, Any], weight: float, stationarity: float):
         state, at = rule.init(jnp.asarray(unit)), jnp.asarray(unit)
         while True:
             if evaluate.count >= evaluate.budget:
                 raise _Stop
             after, state, values, gradient, code = compiled(at, state, multipliers, weight)
-            here, gradient = np.asarray(at), np.asarray(gradient)
-            if refused(here[None])[0] or not evaluate.good(values, gradient, int(code)):
-                return here
+            point, gradient = np.asarray(at), np.asarray(gradient)
+            if refused(point[None])[0] or not evaluate.good(values, gradient, int(code)):
+                return point
             evaluate.count += 1
-            evaluate.history.append((here, np.asarray(values)))
+            evaluate.history.append((point, np.asarray(values)))
             if evaluate.progress is not None:
                 values = np.asarray(values)
                 evaluate.progress(evaluate.count, float(problem.objective(values)), problem.violation(values))
-            if _projected(here, gradient) <= wanted:
-                return here
+            if _projected(point, gradient) <= stationarity:
+                return point
             at = after
 
     return inner

@@ -94,8 +94,8 @@ def _balanced(a: Float[Array, "n n"], z: Float[Array, "n"], c: Float[Array, "n"]
     def closer(_: Array, unit: Float[Array, "n"]):
         scaled = sizes * unit / unit[:, None]
         row, column = jnp.sum(scaled, axis=1), jnp.sum(scaled, axis=0)
-        both = (row > 0) & (column > 0)
-        return unit * jnp.where(both, row / jnp.where(both, column, 1.0), 1.0) ** 0.25
+        positive = (row > 0) & (column > 0)
+        return unit * jnp.where(positive, row / jnp.where(positive, column, 1.0), 1.0) ** 0.25
 
     unit = jax.lax.fori_loop(0, BALANCED, closer, none)
     return a * unit / unit[:, None], z / unit, c * unit

@@ -14,12 +14,12 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..errors import clean
+from ..errors import printable
 from ..model.model import Model
 from ..results import worst_of
 from .evaluate import Build, Layout, flat_function, layout_of
 from .problem import limits_of
-from .scatter import Scatter, applied, even_scores
+from .scatter import Scatter, even_scores, terms_and_factors
 
 YIELD = "yield"
 # Made mechanisms of each design of a search, by default.
@@ -43,13 +43,13 @@ class Statistic(NamedTuple):
 
 def statistic_of(text: str, answers: Mapping[str, Any]) -> Statistic | None:
     """Return the statistic with a name such as "percentile 95 stress"; None for any other text."""
-    found = re.fullmatch(WORDS, text)
-    if not found or found[3] not in answers:
+    match = re.fullmatch(WORDS, text)
+    if not match or match[3] not in answers:
         return None
-    percent = float(found[2] or 0)
-    if found[2] and not 0 < percent < 100:
-        raise ValueError(f"'{clean(text)}': a percentile is between 0 and 100.")
-    return Statistic(found[1].split()[0], percent, found[3])
+    percent = float(match[2] or 0)
+    if match[2] and not 0 < percent < 100:
+        raise ValueError(f"'{printable(text)}': a percentile is between 0 and 100.")
+    return Statistic(match[1].split()[0], percent, match[3])
 
 
 def samples_for(percent: float) -> int:
@@ -85,17 +85,19 @@ class SampledDesign:
         The first row is the nominal design.
         """
         further = self.further(layout)
-        whole = Layout((*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values())))
-        rest = layout_of(further).join(further)
-        added, factor = applied(self.scatter, even_scores(self.count, whole, self.seed), whole)
+        full_layout = Layout(
+            (*layout.names, *further), (*layout.shapes, *(np.shape(value) for value in further.values()))
+        )
+        further_values = layout_of(further).join(further)
+        added, factor = terms_and_factors(self.scatter, even_scores(self.count, full_layout, self.seed), full_layout)
         added = np.concatenate([np.zeros((1, added.shape[1])), added])
         factor = np.concatenate([np.ones((1, factor.shape[1])), factor])
 
         def rows(flat: Any) -> Any:
             join: Any = np.concatenate if isinstance(flat, np.ndarray) else jnp.concatenate
-            return join([flat, rest]) * factor + added
+            return join([flat, further_values]) * factor + added
 
-        return whole, rows
+        return full_layout, rows
 
     def function(
         self,
@@ -105,22 +107,22 @@ class SampledDesign:
         models: list[Model],
     ) -> tuple[Callable[[Any], Any], Layout]:
         """Return the function from dimensions to nominal answers and statistics, and the layout of its values."""
-        whole, made = self.made(layout)
-        inner, of_answers = flat_function(build, functions, whole, models)
+        full_layout, to_rows = self.made(layout)
+        inner, of_answers = flat_function(build, functions, full_layout, models)
         shapes = dict(zip(of_answers.names, of_answers.shapes, strict=True))
         acceptable = {name: limits_of(name, shapes[name], pair) for name, pair in self.acceptable.items()}
 
         def function(flat: Float[Array, "n"]):
-            rows, codes = jax.lax.map(inner, made(flat))
+            rows, codes = jax.lax.map(inner, to_rows(flat))
             values = of_answers.split(rows[1:].T)
-            found = [rows[0]]
-            found += [jnp.ravel(statistic_value(one, values[one.answer])) for one in self.statistics.values()]
+            parts = [rows[0]]
+            parts += [jnp.ravel(statistic_value(one, values[one.answer])) for one in self.statistics.values()]
             if acceptable:
-                found.append(smooth_yield(values, acceptable)[None])
-            return jnp.concatenate(found), worst_of([codes])
+                parts.append(smooth_yield(values, acceptable)[None])
+            return jnp.concatenate(parts), worst_of([codes])
 
         names = (*of_answers.names, *self.statistics, *([YIELD] if acceptable else []))
-        sizes = (*of_answers.shapes, *(shapes[one.answer] for one in self.statistics.values()))
+        sizes = (*of_answers.shapes, *(shapes[statistic.answer] for statistic in self.statistics.values()))
         return function, Layout(names, (*sizes, *([()] if acceptable else [])))
 
 
@@ -134,29 +136,33 @@ def sampled_of(
     acceptable: Mapping[str, Any] | None,
 ) -> SampledDesign | None:
     """Return the scatter of a search with the statistics among the ``asked`` names; None without scatter."""
-    statistics = {text: one for text in asked if isinstance(text, str) and (one := statistic_of(text, answers))}
-    statistics = {text: one for text, one in statistics.items() if text not in answers}
+    statistics = {
+        text: statistic for text in asked if isinstance(text, str) and (statistic := statistic_of(text, answers))
+    }
+    statistics = {text: statistic for text, statistic in statistics.items() if text not in answers}
     wants_yield = YIELD in asked and YIELD not in answers
     if scatter is None:
         if statistics or wants_yield or acceptable:
-            what = next(iter(statistics), YIELD if wants_yield else "acceptable")
-            raise ValueError(f"'{clean(what)}' is a statistic of made mechanisms. Give `scatter` from fm.scatter(..).")
+            subject = next(iter(statistics), YIELD if wants_yield else "acceptable")
+            raise ValueError(
+                f"'{printable(subject)}' is a statistic of made mechanisms. Give `scatter` from fm.scatter(..)."
+            )
         return None
     if not isinstance(scatter, Scatter):
-        raise TypeError(f"Argument `scatter` must be a result of fm.scatter(..), but is {clean(repr(scatter))}.")
+        raise TypeError(f"Argument `scatter` must be a result of fm.scatter(..), but is {printable(repr(scatter))}.")
     if wants_yield and not acceptable:
         raise ValueError("The yield needs `acceptable`: limits of answers by name.")
     if acceptable and YIELD in answers:
         raise ValueError(f"Answer '{YIELD}' must have another name. The yield uses this one.")
     for name in acceptable or {}:
         if name not in answers:
-            raise ValueError(f"Acceptable '{clean(name)}': there is no such answer ({', '.join(answers)}).")
-    for text, one in statistics.items():
-        if one.kind == "percentile" and samples < (least := samples_for(one.percent)):
-            raise ValueError(f"'{clean(text)}' lies beyond {samples} samples. Give `samples`, {least} or more.")
+            raise ValueError(f"Acceptable '{printable(name)}': there is no such answer ({', '.join(answers)}).")
+    for text, statistic in statistics.items():
+        if statistic.kind == "percentile" and samples < (least := samples_for(statistic.percent)):
+            raise ValueError(f"'{printable(text)}' lies beyond {samples} samples. Give `samples`, {least} or more.")
     for name in scatter.spreads:
         if name not in dimensions and name not in scatter.nominal:
-            raise ValueError(f"Scatter of '{clean(name)}' has no nominal value: give it in `nominal`.")
+            raise ValueError(f"Scatter of '{printable(name)}' has no nominal value: give it in `nominal`.")
     return SampledDesign(scatter, samples, seed, statistics, dict(acceptable or {}))
 
 
@@ -191,7 +197,7 @@ def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any
         Kernel estimate of a distribution function: Azzalini 1981. The width of the kernel is the standard deviation of
         the answer over the cube root of the number of samples.
     """
-    kept: Any = 1.0
+    within_limits: Any = 1.0
     for name, (lower, upper) in acceptable.items():
         samples = values[name]
         count = samples.shape[-1]
@@ -202,10 +208,10 @@ def smooth_yield(values: Mapping[str, Array], acceptable: Mapping[str, tuple[Any
             if limit is not None:
                 edge = np.broadcast_to(np.asarray(limit, float), samples.shape[:-1])[..., None]
                 # A limit at infinity has no slope.
-                near = np.isfinite(edge)
-                margin = sign * (samples - np.where(near, edge, 0.0))
-                step = jnp.where(near, margin >= 0, sign * edge < 0).astype(float)
+                finite = np.isfinite(edge)
+                margin = sign * (samples - np.where(finite, edge, 0.0))
+                step = jnp.where(finite, margin >= 0, sign * edge < 0).astype(float)
                 # An answer without scatter is inside or outside.
-                inside = jnp.where(scatters & near, jax.scipy.special.ndtr(margin / width), step)
-                kept = kept * jnp.prod(inside.reshape(-1, count), axis=0)
-    return jnp.mean(kept)
+                inside = jnp.where(scatters & finite, jax.scipy.special.ndtr(margin / width), step)
+                within_limits = within_limits * jnp.prod(inside.reshape(-1, count), axis=0)
+    return jnp.mean(within_limits)

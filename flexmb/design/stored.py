@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 from ..files import check_unpacked
 from ..results import RESULTS
 from .checkpoint import MAGIC, Stored
@@ -27,7 +27,7 @@ class Contents(NamedTuple):
     planned: int
 
 
-def read(path: str | os.PathLike) -> Contents:
+def read_sweep(path: str | os.PathLike) -> Contents:
     """Read a sweep."""
     path = Path(path)
     # Reading a pipe would wait for its writer.
@@ -40,21 +40,21 @@ def read(path: str | os.PathLike) -> Contents:
     try:
         return _of_arrays(_arrays(path.read_bytes()))
     except Exception as why:  # Readers of other formats raise anything.
-        what = "no sweep that Sweep.save or a checkpoint of fm.sweep wrote, or is damaged"
-        raise ValueError(f"'{clean(path)}' is {what} ({clean(why)}).") from None
+        description = "no sweep that Sweep.save or a checkpoint of fm.sweep wrote, or is damaged"
+        raise ValueError(f"'{printable(path)}' is {description} ({printable(why)}).") from None
 
 
 def _of_checkpoint(stored: Stored) -> Contents:
     parts = [(rows, (values, codes)) for rows, values, codes in stored.parts()]
     if not parts:
-        raise ValueError(f"Checkpoint '{clean(stored.path)}' has no designs yet: its sweep has just begun.")
+        raise ValueError(f"Checkpoint '{printable(stored.path)}' has no designs yet: its sweep has just begun.")
     designs, count = stored.designs, stored.designs.count
     answers, codes = gathered(count, stored.answers, parts)
-    done = np.unique(np.concatenate([rows for rows, _ in parts]))
-    if len(done) < count:
-        designs = Designs({name: values[done] for name, values in designs.items()})
-        answers = {name: values[done] for name, values in answers.items()}
-    return Contents(designs, answers, codes[done], stored.units, count)
+    computed = np.unique(np.concatenate([rows for rows, _ in parts]))
+    if len(computed) < count:
+        designs = Designs({name: values[computed] for name, values in designs.items()})
+        answers = {name: values[computed] for name, values in answers.items()}
+    return Contents(designs, answers, codes[computed], stored.units, count)
 
 
 def _arrays(content: bytes) -> dict[str, np.ndarray]:
@@ -65,10 +65,10 @@ def _arrays(content: bytes) -> dict[str, np.ndarray]:
             return {name: file[name] for name in file.files}
     import scipy.io
 
-    found: dict[str, Any] = scipy.io.loadmat(io.BytesIO(content))
+    arrays: dict[str, Any] = scipy.io.loadmat(io.BytesIO(content))
     # MATLAB accepts fewer names.
-    changed = next((json.loads(found[n].item()) for n in found if n.rstrip("_") == "names_of_arrays"), {})
-    return {changed.get(name, name): array for name, array in found.items()}
+    changed = next((json.loads(arrays[n].item()) for n in arrays if n.rstrip("_") == "names_of_arrays"), {})
+    return {changed.get(name, name): array for name, array in arrays.items()}
 
 
 def _of_arrays(arrays: dict[str, np.ndarray]) -> Contents:

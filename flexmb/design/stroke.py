@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from ..build.dofs import CANNOT_MOVE
 from ..build.restrict import roles_of, with_dofs
-from ..checks.mobility import motions_of
+from ..checks.mobility import allowed_motions
 from ..compilation.compile import jit
 from ..display import among, unit_of
 from ..errors import ModelError
@@ -74,7 +74,7 @@ class StrokeDrive:
     @property
     def name(self) -> str:
         """Name such as "top.x", "stage.phi", "hinge.e1"."""
-        return name_of(self.entry)
+        return coordinate_name(self.entry)
 
     def at(self, model: Model, stroke: float, *, throw: bool = True) -> AtStroke:
         """The equilibrium at a stroke under the constant loads, differentiable in model and stroke.
@@ -100,11 +100,15 @@ class StrokeDrive:
 
         step: Any = {self.kind: jnp.asarray(unit)}
         driven = with_values(self.held, with_it, Loads(**step))
-        held = linearize(driven, increment=stroke, throw=throw)
+        constrained = linearize(driven, increment=stroke, throw=throw)
         free, factors = with_values(self.free, without, None), load_factors(1.0, stroke)
         structure = self.held, driven.parameters, factors
-        found = _let_go(self.free, free.parameters, structure, held.matrices, jnp.asarray(self.index), of=self.kind)
-        return AtStroke(held, Linearization(found.matrices, free), found.force, found.stiffness, found.margins)
+        released = _let_go(
+            self.free, free.parameters, structure, constrained.matrices, jnp.asarray(self.index), of=self.kind
+        )
+        return AtStroke(
+            constrained, Linearization(released.matrices, free), released.force, released.stiffness, released.margins
+        )
 
 
 class _LetGo(NamedTuple):
@@ -119,32 +123,32 @@ def _let_go(
     topology: Topology, parameters: Parameters, structure: Any, held: Matrices, index: Array, *, of: str
 ) -> _LetGo:
     """The held state in the structure in which the driven coordinate is a degree of freedom."""
-    factors, near, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
-    at, force = state(topology, parameters, factors, held.x, near), held.reactions[index]
+    factors, last_strain, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
+    at, force = state(topology, parameters, factors, held.x, last_strain), held.reactions[index]
     if of == "e":
         # A drive that lengthens an element pushes: it adds a negative stress resultant.
         force = at.sigma[index] - held.sigma[index]
         prestress = jnp.zeros(topology.n_e) if loads.prestress is None else loads.prestress
         driven = dataclasses.replace(loads, prestress=prestress.at[index].add(-force))
         parameters = dataclasses.replace(parameters, loads=driven)
-        at = state(topology, parameters, factors, held.x, near)
-    found = matrices_at(topology, parameters, factors, at, held.iterations, held.result)
-    row = (found.DFe if of == "e" else found.DFx)[index]
-    stiffness = 1 / (row @ factorise(found.K).solve(row))
+        at = state(topology, parameters, factors, held.x, last_strain)
+    matrices = matrices_at(topology, parameters, factors, at, held.iterations, held.result)
+    row = (matrices.DFe if of == "e" else matrices.DFx)[index]
+    stiffness = 1 / (row @ factorise(matrices.K).solve(row))
     more = Loads(loads.force, loads.gravity, loads.prestress, temperature=loads.temperature)
     if not jax.tree.leaves(more):
-        return _LetGo(found, force, stiffness, None)
+        return _LetGo(matrices, force, stiffness, None)
     # The other loads grow while the drive holds the stroke; buckling concerns the released mechanism.
     structure, numbers, raised = structure
-    still = state(structure, numbers, raised, held.x, near)
+    still = state(structure, numbers, raised, held.x, last_strain)
     again = dataclasses.replace(parameters, increment=more)
     grown = structure, dataclasses.replace(numbers, increment=more), still
-    pencil = scaled_stiffness(topology, again, at, near, grown)
+    pencil = scaled_stiffness(topology, again, at, last_strain, grown)
     margins = 1 + multipliers_of(*pencil, unsymmetric=lacks_potential(topology))
-    return _LetGo(found, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
+    return _LetGo(matrices, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
 
 
-def name_of(entry: Entry) -> str:
+def coordinate_name(entry: Entry) -> str:
     """Node and component, such as "top.x", "stage.phi", "c.rx", "hinge.e1"; a rotation has the name of its node."""
     if entry.component == 1 and entry.of.startswith(TURN_OF):
         node, axis = turned_by(entry.of)
@@ -154,9 +158,9 @@ def name_of(entry: Entry) -> str:
 
 def driven(model: Model, name: str | None) -> StrokeDrive:
     """The driven coordinate of a model, with the structures in which it is held and free."""
-    kind, index = _of_model(model) if name is None else _named(model, name)
+    kind, index = _of_model(model) if name is None else _place_of_name(model, name)
     entry, roles_of_kind = getattr(model.labels, kind)[index], getattr(model.topology, kind)
-    called = f"Stroke '{name_of(entry)}'"
+    called = f"Stroke '{coordinate_name(entry)}'"
     if entry.kind == "rotation" and entry.symbol != "phi":
         node = entry.of.removesuffix(".rotation")
         raise StrokeError(
@@ -164,20 +168,20 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
             f" axis: '{node}.rx'."
         )
     if index in np.asarray(roles_of_kind.fixed):
-        raise StrokeError(f"{called} is fixed in this model. {_what_moves(model)}")
-    given = np.asarray(roles_of_kind.prescribed)
-    free = _without_dofs(model, kind, np.setdiff1d(given, index))
-    held = _without_dofs(model, kind, np.union1d(given, index))
-    if motions_of(held)[0].shape[1] != motions_of(free)[0].shape[1] - 1:
-        raise ModelError(f"{called}: no motion of the undeformed mechanism moves it. {_what_moves(model)}")
-    structure = with_dofs(held, model)
+        raise StrokeError(f"{called} is fixed in this model. {_moving_coordinates(model)}")
+    prescribed = np.asarray(roles_of_kind.prescribed)
+    free = _without_dofs(model, kind, np.setdiff1d(prescribed, index))
+    constrained = _without_dofs(model, kind, np.union1d(prescribed, index))
+    if allowed_motions(constrained)[0].shape[1] != allowed_motions(free)[0].shape[1] - 1:
+        raise ModelError(f"{called}: no motion of the undeformed mechanism moves it. {_moving_coordinates(model)}")
+    structure = with_dofs(constrained, model)
     dofs = {k: [*np.asarray(getattr(structure, k).dof).tolist(), *([index] if k == kind else [])] for k in "xe"}
     roles = {}
     for k, chosen in dofs.items():
-        rest: RoleIndices = getattr(free.topology, k)
-        dependent = np.setdiff1d(np.asarray(rest.dependent), chosen)
-        roles[k] = roles_of(rest.fixed, dependent, chosen, rest.prescribed)
-    return StrokeDrive(entry, kind, index, index in given, structure, dataclasses.replace(free.topology, **roles))
+        role_indices: RoleIndices = getattr(free.topology, k)
+        dependent = np.setdiff1d(np.asarray(role_indices.dependent), chosen)
+        roles[k] = roles_of(role_indices.fixed, dependent, chosen, role_indices.prescribed)
+    return StrokeDrive(entry, kind, index, index in prescribed, structure, dataclasses.replace(free.topology, **roles))
 
 
 def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
@@ -185,9 +189,9 @@ def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
     roles = {}
     for k in "xe":
         known: RoleIndices = getattr(model.topology, k)
-        given = prescribed if k == kind else np.asarray(known.prescribed)
-        rest = np.setdiff1d(np.arange(known.size), np.concatenate([np.asarray(known.fixed), given]))
-        roles[k] = roles_of(known.fixed, rest, [], given)
+        prescribed_of_kind = prescribed if k == kind else np.asarray(known.prescribed)
+        dependent = np.setdiff1d(np.arange(known.size), np.concatenate([np.asarray(known.fixed), prescribed_of_kind]))
+        roles[k] = roles_of(known.fixed, dependent, [], prescribed_of_kind)
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 
@@ -197,15 +201,15 @@ def _place(model: Model, node: str, number: int) -> int:
     return int(indices[number - 1]) if 0 < number <= len(indices) else -1
 
 
-def _named(model: Model, name: str) -> tuple[str, int]:
+def _place_of_name(model: Model, name: str) -> tuple[str, int]:
     place = model.labels.place(name)
     if place is None or getattr(model.labels, place[0])[place[1]].kind == "internal":
-        of, _, number = str(name).rpartition(".")
-        index = _place(model, of, int(number)) if number.isdecimal() else -1
-        near = [name_of(model.labels.x[index])] if index >= 0 else []
-        if not number.isdecimal() or not model.labels.coordinates(of):
-            near = near or difflib.get_close_matches(str(name), model.labels.names(), 1)
-        hint = f"Did you mean '{near[0]}'?" if near else _what_moves(model, str(name))
+        owner, _, number = str(name).rpartition(".")
+        index = _place(model, owner, int(number)) if number.isdecimal() else -1
+        similar = [coordinate_name(model.labels.x[index])] if index >= 0 else []
+        if not number.isdecimal() or not model.labels.coordinates(owner):
+            similar = similar or difflib.get_close_matches(str(name), model.labels.names(), 1)
+        hint = f"Did you mean '{similar[0]}'?" if similar else _moving_coordinates(model, str(name))
         raise StrokeError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
     return place
 
@@ -214,21 +218,25 @@ def _of_model(model: Model) -> tuple[str, int]:
     """The driven coordinate that the model itself determines."""
     top, more = model.topology, model.parameters.increment
     acting = [s for s in model.labels.inputs if s.axis is None and not s.held and not s.parts]
-    found = [("e" if s.of_element else "x", s.index) for s in acting]
+    candidates = [("e" if s.of_element else "x", s.index) for s in acting]
     for kind in "xe" if more is not None else "":
         values = getattr(more, kind)
         moved = [] if values is None else np.asarray(getattr(top, kind).prescribed)[np.flatnonzero(values)].tolist()
-        found = [(kind, i) for i in moved] or found
-    found = found or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
-    if len(found) != 1:
-        raise StrokeError(f"The stroke has no coordinate. Name one: stroke={{'top.x': 1e-3}}. {_what_moves(model)}")
-    return found[0]
+        candidates = [(kind, i) for i in moved] or candidates
+    candidates = candidates or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
+    if len(candidates) != 1:
+        raise StrokeError(
+            f"The stroke has no coordinate. Name one: stroke={{'top.x': 1e-3}}. {_moving_coordinates(model)}"
+        )
+    return candidates[0]
 
 
-def _what_moves(model: Model, name: str = "") -> str:
+def _moving_coordinates(model: Model, name: str = "") -> str:
     """A sentence with names of coordinates that move."""
-    motions, _ = motions_of(model)
-    moving = [name_of(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE]
+    motions, _ = allowed_motions(model)
+    moving = [
+        coordinate_name(e) for e, size in zip(model.labels.x, row_sizes(motions), strict=True) if size > CANNOT_MOVE
+    ]
     return f"These move: {among(moving, name)}." if moving else "Nothing of it moves."
 
 

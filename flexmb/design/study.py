@@ -14,7 +14,7 @@ from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import Layout, build_once, flat_function, layout_of
 from .robust import SHOWN, Robustness, robustness
 from .scatter import Scatter
-from .study_parts import UNTRACEABLE, RaisedError, naming
+from .study_parts import UNTRACEABLE, RaisedError, naming_study
 from .sweep import sweep
 from .swept import ROWS, Sweep
 from .tune import tune
@@ -63,13 +63,13 @@ class Study:
 
     def tune(self, **options: Any) -> Tuned:
         """Run :func:`flexmb.tune`; a StudyError names the file."""
-        wanted: Any = {"choices": self.choices, **self.wanted, **options}
+        arguments: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
         if self.scatter is not None:
-            wanted = {"scatter": self.scatter, "acceptable": self.acceptable, **wanted}
-        with naming(f"{self.name}: ", UNTRACED):
+            arguments = {"scatter": self.scatter, "acceptable": self.acceptable, **arguments}
+        with naming_study(f"{self.name}: ", UNTRACED):
             bounds = {} if self.choices and not self.bounds else self._bounded()
-            return tune(self.build_made, self.answers, self.values, bounds, scales=scales, **wanted)
+            return tune(self.build_made, self.answers, self.values, bounds, scales=scales, **arguments)
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""
@@ -77,7 +77,7 @@ class Study:
             raise StudyError(
                 f"{self.name}: [choices]: a sweep has no choices. Give one value of each as a parameter, or use tune."
             )
-        with naming(f"{self.name}: "):
+        with naming_study(f"{self.name}: "):
             designs = self.designs()
             if "chunk" in self.plan:
                 options = {"chunk": self.plan["chunk"], **options}
@@ -101,10 +101,10 @@ class Study:
         if self.choices:
             raise StudyError(f"{self.name}: [choices]: robustness has none. Give one value of each as a parameter.")
         limits = self.acceptable or {n: pair for n, pair in self.wanted["limits"].items() if n in self.answers}
-        own = {name: value for name, value in self.robust.items() if name != "percentiles"}
-        with naming(f"{self.name}: ", UNTRACED_MADE):
+        settings = {name: value for name, value in self.robust.items() if name != "percentiles"}
+        with naming_study(f"{self.name}: ", UNTRACED_MADE):
             return robustness(
-                self.build_made, self.answers, self.values, self.scatter, limits=limits, **{**own, **options}
+                self.build_made, self.answers, self.values, self.scatter, limits=limits, **{**settings, **options}
             )
 
     def _is_traceable(self) -> bool:
@@ -121,7 +121,7 @@ class Study:
     def designs(self) -> Designs:
         """Return the designs of [sweep], evenly spaced in the logarithm of parameters with scale "log"."""
         plan, bounds = self.plan, self._bounded()
-        with naming(f"{self.name}: [sweep] "):
+        with naming_study(f"{self.name}: [sweep] "):
             if plan.get("kind", "grid") == "grid":
                 points = plan.get("points", 11)
                 counts = {n: points[n] if isinstance(points, dict) else points for n in bounds}
@@ -131,10 +131,10 @@ class Study:
                 return grid({n: spaced[n](*bounds[n], counts[n]) for n in bounds})
             make = {"latin-hypercube": latin_hypercube, "monte-carlo": monte_carlo}[plan["kind"]]
             evenly = {n: np.log(ends) if self.scales.get(n) == "log" else ends for n, ends in bounds.items()}
-            found = make(plan.get("samples", 100), evenly, seed=plan.get("seed", 0))
-            for n in found.keys() & (n for n, scale in self.scales.items() if scale == "log"):
-                found[n] = np.clip(np.exp(found[n]), *bounds[n])
-            return found
+            designs = make(plan.get("samples", 100), evenly, seed=plan.get("seed", 0))
+            for n in designs.keys() & (n for n, scale in self.scales.items() if scale == "log"):
+                designs[n] = np.clip(np.exp(designs[n]), *bounds[n])
+            return designs
 
     def _bounded(self) -> dict[str, tuple[float, float]]:
         if not self.bounds:
@@ -233,7 +233,9 @@ def robustness_table(found: Robustness, data: Mapping[str, Any]) -> str:
     lines = [found.summary().title]
     lines += [f"  {name}: {text}" for name, text in found.summary().rows.items() if name not in found.nominal]
     for label, entry in data["answers"].items():
-        shares = ", ".join(f"{percent} % below {short(own['value'])}" for percent, own in entry["percentiles"].items())
+        shares = ", ".join(
+            f"{percent} % below {short(percentile['value'])}" for percent, percentile in entry["percentiles"].items()
+        )
         lines.append(f"  {label}: {shares} (nominal {short(entry['nominal'])}, deviation {short(entry['deviation'])})")
     return "\n".join(lines)
 

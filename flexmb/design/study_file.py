@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import StudyError, clean
+from ..errors import StudyError, printable
 from ..files import read_whole
 from ..questions.question import Asked, Question, questions
 from .designs import MOST
-from .evaluate import check_dimensions, check_names
+from .evaluate import check_answer_names, check_dimensions
 from .robust import SAMPLES
 from .scatter import Scatter
 from .statistics import YIELD
 from .study import Study
-from .study_parts import Called, FromFile, NamedAnswer, content_of, function_of
+from .study_parts import Called, FromFile, NamedAnswer, function_of, sha256_of
 from .study_scatter import as_percentiles, check_samples, check_statistic, scatter_of
 from .study_values import (
     Kind,
@@ -32,8 +32,8 @@ from .study_values import (
     as_positive,
     as_share,
     as_text,
-    as_whole,
     checked_table,
+    whole_kind,
 )
 
 # A study with a thousand answers has 0.1 MiB.
@@ -52,32 +52,32 @@ LIMIT: dict[str, Kind] = {"lower": as_numbers, "upper": as_numbers}
 TUNE: dict[str, Kind] = {
     "minimize": as_text,
     "maximize": as_text,
-    "starts": as_whole(1, MOST_STARTS),
-    "seed": as_whole(0),
+    "starts": whole_kind(1, MOST_STARTS),
+    "seed": whole_kind(0),
     "tolerance": as_positive,
-    "max_evaluations": as_whole(),
-    "samples": as_whole(8, MOST),
+    "max_evaluations": whole_kind(),
+    "samples": whole_kind(8, MOST),
 }
 DESIGNS = {"grid": ("points",), "latin-hypercube": ("samples", "seed"), "monte-carlo": ("samples", "seed")}
 SWEEP: dict[str, Kind] = {
     "kind": as_choice(*DESIGNS),
-    "points": lambda key, value: value if isinstance(value, dict) else as_whole(1, MOST)(key, value),
-    "samples": as_whole(1, MOST),
-    "seed": as_whole(0, MOST),
-    "chunk": as_whole(1, MOST),
+    "points": lambda key, value: value if isinstance(value, dict) else whole_kind(1, MOST)(key, value),
+    "samples": whole_kind(1, MOST),
+    "seed": whole_kind(0, MOST),
+    "chunk": whole_kind(1, MOST),
 }
 ROBUSTNESS: dict[str, Kind] = {
-    "samples": as_whole(2, MOST),
-    "seed": as_whole(0),
+    "samples": whole_kind(2, MOST),
+    "seed": whole_kind(0),
     "level": as_share,
-    "chunk": as_whole(1, MOST),
+    "chunk": whole_kind(1, MOST),
     "percentiles": as_percentiles,
 }
 FIT: dict[str, Kind] = {
     "loss": as_choice("linear", "huber", "soft_l1", "cauchy"),
-    "starts": as_whole(1, MOST_STARTS),
-    "seed": as_whole(0),
-    "max_evaluations": as_whole(),
+    "starts": whole_kind(1, MOST_STARTS),
+    "seed": whole_kind(0),
+    "max_evaluations": whole_kind(),
     "level": as_positive,
 }
 TABLES = {
@@ -100,8 +100,8 @@ TABLES = {
 }
 # Kinds of the arguments of a question.
 PARTS: dict[str, Kind] = {
-    "number": as_whole(),
-    "component": as_whole(),
+    "number": whole_kind(),
+    "component": whole_kind(),
     "node": as_node,
     "element": as_text,
     "axis": as_text,
@@ -124,24 +124,27 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
     reader = StudyReader(Path(path))
     with reader.named():
         model = as_text("model", reader.data.get("model", ""))
-        given = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
-    found = {name: tuple(own[key] for key in ("value", "lower", "upper") if key in own) for name, own in given.items()}
+        entries = {} if not isinstance(reader.data.get("parameters", {}), dict) else reader.parameters()
+    bounded_values = {
+        name: tuple(entry[key] for key in ("value", "lower", "upper") if key in entry)
+        for name, entry in entries.items()
+    }
     choices = reader.data.get("choices", {})
     for name, values in choices.items() if isinstance(choices, dict) else ():
         first = values[0] if isinstance(values, list) and values else None
         if isinstance(first, int | float) and not isinstance(first, bool):
-            found.setdefault(name, (float(first),))
+            bounded_values.setdefault(name, (float(first),))
     answers = reader.data.get("answers", {})
     named = [model, *(answers.values() if isinstance(answers, dict) else ())]
     functions = [text for text in named if isinstance(text, str) and ":" in text and not text.endswith(".dat")]
-    return model, found, functions
+    return model, bounded_values, functions
 
 
 class StudyReader:
     """Reader of one file."""
 
     def __init__(self, path: Path):
-        self.path, self.name = path, clean(path.name)
+        self.path, self.name = path, printable(path.name)
         try:
             content = read_whole(path, LARGEST_FILE)
         except OSError as fault:
@@ -151,7 +154,7 @@ class StudyReader:
         try:
             self.data: dict[str, Any] = tomllib.loads(content.decode("utf-8-sig"))
         except (ValueError, RecursionError) as fault:
-            raise StudyError(f"{self.name}: {clean(fault)}") from None
+            raise StudyError(f"{self.name}: {printable(fault)}") from None
 
     @contextlib.contextmanager
     def named(self) -> Iterator[None]:
@@ -166,32 +169,32 @@ class StudyReader:
         with self.named():
             self.check_tables("model", "answers")
             parameters = self.parameters()
-            free = {name: given for name, given in parameters.items() if "lower" in given}
-            fixed = tuple((name, given["value"]) for name, given in parameters.items() if name not in free)
-            answers = {name: self.answer(name, given) for name, given in self.data["answers"].items()}
+            free = {name: entry for name, entry in parameters.items() if "lower" in entry}
+            fixed = tuple((name, entry["value"]) for name, entry in parameters.items() if name not in free)
+            answers = {name: self.answer(name, entry) for name, entry in self.data["answers"].items()}
             choices = self.choices(tuple(parameters))
             taken = (YIELD,) if self.data.get("acceptable") else ()
             try:
-                check_names((*parameters, *choices), tuple(answers), taken)
+                check_answer_names((*parameters, *choices), tuple(answers), taken)
             except ValueError as fault:
                 raise StudyError(f"[answers] {fault}") from None
-            values = {name: given["value"] for name, given in parameters.items()}
-            made = self.scatter(values, tuple(free), choices)
-            scattered = () if made is None else tuple(made.nominal)
-            rest = tuple(pair for pair in fixed if pair[0] not in scattered)
+            values = {name: entry["value"] for name, entry in parameters.items()}
+            scatter = self.scatter(values, tuple(free), choices)
+            scattered = () if scatter is None else tuple(scatter.nominal)
+            unscattered = tuple(pair for pair in fixed if pair[0] not in scattered)
             build = self.builder(fixed, (*free, *choices))
             return Study(
                 self.name,
                 build,
                 answers,
-                {name: given["value"] for name, given in free.items()},
-                {name: (given["lower"], given["upper"]) for name, given in free.items()},
-                {name: given["scale"] for name, given in free.items() if "scale" in given},
+                {name: entry["value"] for name, entry in free.items()},
+                {name: (entry["lower"], entry["upper"]) for name, entry in free.items()},
+                {name: entry["scale"] for name, entry in free.items() if "scale" in entry},
                 self.wanted(tuple(answers)),
                 self.plan(tuple(free)),
                 choices,
-                build if made is None else self.builder(rest, (*free, *scattered, *choices)),
-                made,
+                build if scatter is None else self.builder(unscattered, (*free, *scattered, *choices)),
+                scatter,
                 self.limits("acceptable", tuple(answers)),
                 self.data.get("robustness", {}),
             )
@@ -200,14 +203,14 @@ class StudyReader:
         """Check the kinds of all tables, and that no needed table is missing or empty."""
         for table, content in self.data.items():
             if table not in TABLES:
-                near = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
-                hint = f" Did you mean '{near[0]}'?" if near else f" Known: {', '.join(TABLES)}."
-                raise StudyError(f"there is no key '{clean(table)}'.{hint}")
+                similar = difflib.get_close_matches(table, TABLES, 1) if len(table) < 100 else []
+                hint = f" Did you mean '{similar[0]}'?" if similar else f" Known: {', '.join(TABLES)}."
+                raise StudyError(f"there is no key '{printable(table)}'.{hint}")
             schema = TABLES[table]
             if callable(schema):
                 schema(table, content)
             elif not isinstance(content, dict):
-                raise StudyError(f"[{table}] must be a table, but is {clean(repr(content))}.")
+                raise StudyError(f"[{table}] must be a table, but is {printable(repr(content))}.")
             elif schema:
                 checked_table(f"[{table}]", content, schema, " ")
         for table in needed:
@@ -216,10 +219,10 @@ class StudyReader:
 
     def parameters(self) -> dict[str, dict[str, Any]]:
         """Return the value of each parameter, with its bounds, scale and prior if given."""
-        found = {}
-        for name, given in self.data.get("parameters", {}).items():
+        entries = {}
+        for name, value in self.data.get("parameters", {}).items():
             key = _key_of_name("parameters", name, "parameter")
-            entry = checked_table(key, given if isinstance(given, dict) else {"value": given}, PARAMETER)
+            entry = checked_table(key, value if isinstance(value, dict) else {"value": value}, PARAMETER)
             if "value" not in entry or ("lower" in entry) is not ("upper" in entry):
                 raise StudyError(f"{key}: give value, or value with lower and upper.")
             if "lower" in entry and not entry["lower"] < entry["upper"]:
@@ -229,40 +232,42 @@ class StudyReader:
                     raise StudyError(f"{key}: a {option} needs lower and upper.")
             if entry.get("scale") == "log" and not entry["lower"] > 0:
                 raise StudyError(f"{key}: scale cannot be log, since lower {entry['lower']:g} is not positive.")
-            found[name] = entry
-        return found
+            entries[name] = entry
+        return entries
 
     def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
         """Return the values of each choice by name."""
-        found = {}
-        for name, given in self.data.get("choices", {}).items():
+        choices = {}
+        for name, values in self.data.get("choices", {}).items():
             key = _key_of_name("choices", name, "choice")
             if name in parameters:
                 raise StudyError(f"{key}: it is a parameter too. Leave one of them out.")
-            if not isinstance(given, list) or not given:
-                raise StudyError(f"{key} must be a list of values, but is {clean(repr(given))}.")
+            if not isinstance(values, list) or not values:
+                raise StudyError(f"{key} must be a list of values, but is {printable(repr(values))}.")
             if not _is_function(self.data["model"]):
-                given = [as_number(key, value) for value in given]
-            elif not all(isinstance(value, bool | int | float | str) for value in given):
-                what = "a list of numbers, words, true and false"
-                raise StudyError(f"{key} must be {what}, but is {clean(repr(given))}.")
-            found[name] = given
-        return found
+                values = [as_number(key, value) for value in values]
+            elif not all(isinstance(value, bool | int | float | str) for value in values):
+                expected = "a list of numbers, words, true and false"
+                raise StudyError(f"{key} must be {expected}, but is {printable(repr(values))}.")
+            choices[name] = values
+        return choices
 
     def scatter(self, values: dict[str, float], free: tuple[str, ...], choices: Mapping[str, Any]) -> Scatter | None:
         """Return the scatter of made mechanisms; None without [scatter]."""
-        given = self.data.get("scatter", {})
-        if not given:
+        distributions = self.data.get("scatter", {})
+        if not distributions:
             for table in ("correlation", "acceptable", "robustness"):
                 if table in self.data:
                     raise StudyError(f"[{table}] is about made mechanisms. It needs [scatter].")
             return None
-        for name in given:
+        for name in distributions:
             if name in choices:
-                raise StudyError(f"[scatter] {clean(name)}: a choice has no scatter. Give one value as a parameter.")
+                raise StudyError(
+                    f"[scatter] {printable(name)}: a choice has no scatter. Give one value as a parameter."
+                )
         for percent in self.data.get("robustness", {}).get("percentiles", ()):
             check_samples(f"[robustness] percentiles: {percent:g} %", "robustness", percent, self.data, SAMPLES)
-        return scatter_of(given, self.data.get("correlation", {}), values, free)
+        return scatter_of(distributions, self.data.get("correlation", {}), values, free)
 
     def builder(self, fixed: tuple[tuple[str, float], ...], free: tuple[str, ...]) -> Callable[..., Any]:
         """Return the function from the free parameters to the model."""
@@ -271,7 +276,7 @@ class StudyReader:
         if _is_function(text):
             if release is not None:
                 raise StudyError(
-                    f"release is for a model in a file. Release inside the function '{clean(text)}' instead."
+                    f"release is for a model in a file. Release inside the function '{printable(text)}' instead."
                 )
             function = function_of("model", folder, text)
             try:
@@ -282,18 +287,18 @@ class StudyReader:
         release = as_choice("none", "auto")("release", "none" if release is None else release)
         source = folder / text
         try:
-            content = content_of(source)
+            content = sha256_of(source)
         except (FileNotFoundError, NotADirectoryError):
-            what = f"there is no file '{clean(source)}', and '{clean(text)}' is no module:function"
-            raise StudyError(f"model: {what}.") from None
+            problem = f"there is no file '{printable(source)}', and '{printable(text)}' is no module:function"
+            raise StudyError(f"model: {problem}.") from None
         except (OSError, ValueError) as fault:
             why = getattr(fault, "strerror", None) or fault
-            raise StudyError(f"model: cannot read '{clean(source)}': {clean(why)}.") from None
+            raise StudyError(f"model: cannot read '{printable(source)}': {printable(why)}.") from None
         return FromFile(self.name, source, content, release, fixed, free)
 
     def answer(self, name: str, given: Any) -> Callable[[Any], Any]:
         """Return the function of the model for an entry of [answers]."""
-        key = f"[answers] {clean(name)}"
+        key = f"[answers] {printable(name)}"
         about = f"{self.name}: {key}"
         if isinstance(given, str) and ":" in given:
             return Called(about, given, function_of(key, self.path.parent, given), is_answer=True)
@@ -301,8 +306,8 @@ class StudyReader:
             with contextlib.suppress(KeyError):
                 if Asked(given).question.differentiable:
                     return NamedAnswer(about, Asked(given))
-            what = f"module:function, such as 'own:stage' beside the study, or a question ({', '.join(kinds())})"
-            raise StudyError(f"{key} must be {what}, not '{clean(given)}'.")
+            expected = f"module:function, such as 'own:stage' beside the study, or a question ({', '.join(kinds())})"
+            raise StudyError(f"{key} must be {expected}, not '{printable(given)}'.")
         kind = next((k for k in kinds() if isinstance(given, dict) and k in given), None)
         if kind is None:
             raise StudyError(f"{key} must be 'module:function' or a table with one of {', '.join(kinds())}.")
@@ -310,37 +315,37 @@ class StudyReader:
 
     def wanted(self, answers: tuple[str, ...]) -> dict[str, Any]:
         """Return the arguments of tune."""
-        found: dict[str, Any] = {}
+        arguments: dict[str, Any] = {}
         for table in ("targets", "equal"):
-            found[table] = {}
+            arguments[table] = {}
             for name, value in self.data.get(table, {}).items():
                 self._check_wanted(f"[{table}]", name, answers)
-                found[table][name] = as_numbers(f"[{table}] {clean(name)}", value)
-        found["limits"] = self.limits("limits", answers)
+                arguments[table][name] = as_numbers(f"[{table}] {printable(name)}", value)
+        arguments["limits"] = self.limits("limits", answers)
         options = self.data.get("tune", {})
         for sense in ("minimize", "maximize"):
             if sense in options:
                 self._check_wanted(f"[tune] {sense}", options[sense], answers)
         if "samples" in options and not self.data.get("scatter"):
             raise StudyError("[tune] samples is about made mechanisms. It needs [scatter].")
-        return {**found, **options}
+        return {**arguments, **options}
 
     def limits(self, table: str, answers: tuple[str, ...]) -> dict[str, tuple[Any, Any]]:
         """Return the lower and upper limits of a table; statistics have limits too, but are not acceptable or not."""
-        found = {}
-        for name, given in self.data.get(table, {}).items():
-            key = f"[{table}] {clean(name)}"
+        limits = {}
+        for name, entry in self.data.get(table, {}).items():
+            key = f"[{table}] {printable(name)}"
             if table == "limits":
                 self._check_wanted("[limits]", name, answers)
             else:
                 _check_answer(f"[{table}]", name, answers)
-            if not isinstance(given, dict) or not given:
+            if not isinstance(entry, dict) or not entry:
                 raise StudyError(f"{key} must be a table with lower, upper or both.")
-            pair = checked_table(key, given, LIMIT)
-            lower, upper = found[name] = pair.get("lower"), pair.get("upper")
+            pair = checked_table(key, entry, LIMIT)
+            lower, upper = limits[name] = pair.get("lower"), pair.get("upper")
             if lower is not None and upper is not None and not _below(lower, upper):
-                raise StudyError(f"{key}: lower {clean(lower)} is not below upper {clean(upper)}.")
-        return found
+                raise StudyError(f"{key}: lower {printable(lower)} is not below upper {printable(upper)}.")
+        return limits
 
     def _check_wanted(self, key: str, name: str, answers: tuple[str, ...]) -> None:
         """Refuse a name that is neither an answer nor a statistic of made mechanisms."""
@@ -349,18 +354,18 @@ class StudyReader:
 
     def plan(self, free: tuple[str, ...]) -> dict[str, Any]:
         """Return the options of the sweep."""
-        given = dict(self.data.get("sweep", {}))
-        kind = given.get("kind", "grid")
-        for option in given:
+        options = dict(self.data.get("sweep", {}))
+        kind = options.get("kind", "grid")
+        for option in options:
             if option not in ("kind", "chunk", *DESIGNS[kind]):
                 raise StudyError(f"[sweep] {option} has no meaning if kind is {kind}. Give {DESIGNS[kind][0]}.")
-        if isinstance(points := given.get("points"), dict):
-            checked_table("[sweep] points", points, dict.fromkeys(free, as_whole(1, MOST)))
+        if isinstance(points := options.get("points"), dict):
+            checked_table("[sweep] points", points, dict.fromkeys(free, whole_kind(1, MOST)))
             if missing := [name for name in free if name not in points]:
                 raise StudyError(
                     f"[sweep] points: '{missing[0]}' is missing. Every parameter with bounds needs points."
                 )
-        return given
+        return options
 
 
 def _is_function(model: str) -> bool:
@@ -368,10 +373,10 @@ def _is_function(model: str) -> bool:
     return ":" in model and not model.endswith(".dat")
 
 
-def _key_of_name(table: str, name: str, what: str) -> str:
-    key = f"[{table}] {clean(name)}"
+def _key_of_name(table: str, name: str, kind: str) -> str:
+    key = f"[{table}] {printable(name)}"
     if not name.isidentifier() or name == "pi":
-        raise StudyError(f"{key}: a {what}'s name has letters, digits and _ alone, and is not pi.")
+        raise StudyError(f"{key}: a {kind}'s name has letters, digits and _ alone, and is not pi.")
     return key
 
 
@@ -385,23 +390,23 @@ def _below(lower: Any, upper: Any) -> bool:
 
 def _check_answer(key: str, name: str, answers: tuple[str, ...]) -> None:
     if name not in answers:
-        known = clean(", ".join(answers))
-        raise StudyError(f"{key}: There is no answer '{clean(name)}'. Answers are: {known}.")
+        known = printable(", ".join(answers))
+        raise StudyError(f"{key}: There is no answer '{printable(name)}'. Answers are: {known}.")
 
 
-def _text_of_question(key: str, kind: str, given: Mapping[str, Any]) -> str:
+def _text_of_question(key: str, kind: str, entry: Mapping[str, Any]) -> str:
     """Return the text of a question in a table: { stiffness = "top", axis = "y" } is "stiffness top.y"."""
-    question, value = kinds()[kind], given[kind]
+    question, value = kinds()[kind], entry[kind]
     takes = question.takes
     if takes and takes[0].endswith("?") and isinstance(value, bool):
         takes = ()
     if not takes and value is not True:
-        raise StudyError(f"{key}: {kind} must be true, but is {clean(repr(value))}. Leave the answer out.")
+        raise StudyError(f"{key}: {kind} must be true, but is {printable(repr(value))}. Leave the answer out.")
     names = [kind, *takes[1:]]
-    if strangers := sorted(set(given) - set(names)):
-        raise StudyError(f"{key}: {kind} does not take {clean(', '.join(strangers))}.")
-    if missing := sorted(set(names) - set(given)):
+    if strangers := sorted(set(entry) - set(names)):
+        raise StudyError(f"{key}: {kind} does not take {printable(', '.join(strangers))}.")
+    if missing := sorted(set(names) - set(entry)):
         raise StudyError(f"{key}: {kind} needs {', '.join(missing)}.")
     parts = zip(names, takes, strict=False)
-    rest = [PARTS[part.removesuffix("?")](f"{key}: {name}", given[name]) for name, part in parts]
-    return f"{question.name} {'.'.join(map(str, rest))}".strip()
+    arguments = [PARTS[part.removesuffix("?")](f"{key}: {name}", entry[name]) for name, part in parts]
+    return f"{question.name} {'.'.join(map(str, arguments))}".strip()

@@ -14,7 +14,7 @@ from typing import Any
 import jax.errors
 import jax.numpy as jnp
 
-from ..errors import AnalysisError, ModelError, SpacarError, StudyError, clean, first_line
+from ..errors import AnalysisError, ModelError, SpacarError, StudyError, first_line, printable
 from ..files import read_whole
 from ..model.model import Model
 from ..questions.question import Asked
@@ -37,7 +37,7 @@ def message_of(fault: BaseException) -> str:
 
 
 @contextlib.contextmanager
-def naming(start: str, untraced: str = "") -> Iterator[None]:
+def naming_study(start: str, untraced: str = "") -> Iterator[None]:
     """Put a study's file before messages on its arguments; ``untraced`` explains errors of tracing."""
     try:
         yield
@@ -96,7 +96,7 @@ class FromFile:
         return read.builder.build(release=self.release)
 
 
-def content_of(source: Path) -> str:
+def sha256_of(source: Path) -> str:
     """SHA-256 of a file."""
     return hashlib.sha256(read_whole(source)).hexdigest()
 
@@ -122,43 +122,45 @@ class Called:
     def __call__(self, *arguments: Any, **free: Any) -> Any:
         """Result of the function."""
         try:
-            found = self.function(*arguments, **dict(self.fixed), **free)
+            result = self.function(*arguments, **dict(self.fixed), **free)
         except (StudyError, SpacarError, AnalysisError, ModelError, *UNTRACEABLE):
             raise
         except (Exception, SystemExit) as fault:
-            raise RaisedError(f"{self.about}: '{self.name}' raised {said(fault)}.") from fault
+            raise RaisedError(f"{self.about}: '{self.name}' raised {described_fault(fault)}.") from fault
         if not self.is_answer:
-            return found
+            return result
         try:
-            array = jnp.asarray(found)
+            array = jnp.asarray(result)
         except (TypeError, ValueError):
             array = None
         if array is None or jnp.iscomplexobj(array):
-            what = "complex" if array is not None else f"of type {type(found).__name__}"
-            raise StudyError(f"{self.about}: '{self.name}' returned something {what}. It must return numbers.")
-        return found
+            kind = "complex" if array is not None else f"of type {type(result).__name__}"
+            raise StudyError(f"{self.about}: '{self.name}' returned something {kind}. It must return numbers.")
+        return result
 
 
-def said(fault: BaseException) -> str:
+def described_fault(fault: BaseException) -> str:
     """An exception in one line."""
     name, text = type(fault).__name__, first_line(fault)
-    return name if text == name else f"{name}: {clean(text)}"
+    return name if text == name else f"{name}: {printable(text)}"
 
 
 def function_of(about: str, folder: Path, text: str) -> Callable[..., Any]:
     """The function of a text module:function, with the module in a folder or installed."""
     module, _, name = text.partition(":")
     if not all(part.isidentifier() for part in (*module.split("."), *name.split("."))):
-        raise StudyError(f"{about} must be module:function, such as 'own:stage' beside the study, not '{clean(text)}'.")
+        raise StudyError(
+            f"{about} must be module:function, such as 'own:stage' beside the study, not '{printable(text)}'."
+        )
     try:
-        found: Any = _module(folder, module)
+        function: Any = _module(folder, module)
         for part in name.split("."):
-            found = getattr(found, part)
+            function = getattr(function, part)
     except (Exception, SystemExit) as fault:
-        raise StudyError(f"{about}: '{clean(text)}' cannot be imported: {said(fault)}.") from fault
-    if not callable(found):
-        raise StudyError(f"{about}: '{clean(text)}' is of type {type(found).__name__}. It must be a function.")
-    return found
+        raise StudyError(f"{about}: '{printable(text)}' cannot be imported: {described_fault(fault)}.") from fault
+    if not callable(function):
+        raise StudyError(f"{about}: '{printable(text)}' is of type {type(function).__name__}. It must be a function.")
+    return function
 
 
 def _module(folder: Path, name: str) -> ModuleType:
@@ -168,9 +170,9 @@ def _module(folder: Path, name: str) -> ModuleType:
     if beside and known is not None and Path(getattr(known, "__file__", None) or "").resolve() != beside[0].resolve():
         # Another module of this name is already loaded, and stays.
         spec: Any = importlib.util.spec_from_file_location(name, beside[0])
-        found = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(found)
-        return found
+        module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+        return module
     place = str(folder.resolve())
     sys.path.insert(0, place)
     try:
@@ -198,4 +200,4 @@ class NamedAnswer:
         except (StudyError, AnalysisError, *UNTRACEABLE):
             raise
         except (ValueError, KeyError, TypeError) as fault:
-            raise StudyError(f"{self.about}: {name}: {clean(message_of(fault))}") from fault
+            raise StudyError(f"{self.about}: {name}: {printable(message_of(fault))}") from fault

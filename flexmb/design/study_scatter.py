@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from ..errors import StudyError, clean, first_line
+from ..errors import StudyError, first_line, printable
 from .evaluate import layout_of
 from .scatter import Scatter, correlation_root, scatter
 from .statistics import SAMPLES, YIELD, samples_for, statistic_of
@@ -23,7 +23,7 @@ def as_percentiles(key: str, value: Any) -> list[float]:
     """Return percentages between 0 and 100."""
     numbers = [as_number(key, entry) for entry in value] if isinstance(value, list) else []
     if not numbers or not all(0 < number < 100 for number in numbers):
-        raise StudyError(f"{key} must be a list of numbers between 0 and 100, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a list of numbers between 0 and 100, but is {printable(repr(value))}.")
     return numbers
 
 
@@ -40,9 +40,9 @@ def scatter_of(
     """
     spreads = {}
     for name, value in given.items():
-        key = f"[scatter] {clean(name)}"
+        key = f"[scatter] {printable(name)}"
         if name not in values:
-            raise StudyError(f"{key}: there is no such parameter ({clean(', '.join(values))}).")
+            raise StudyError(f"{key}: there is no such parameter ({printable(', '.join(values))}).")
         spreads[name] = as_spread(key, value)
         try:
             scatter({name: spreads[name]})
@@ -50,11 +50,13 @@ def scatter_of(
             raise StudyError(f"{key}: {first_line(fault)}") from None
     pairs = {}
     for first, others in correlated.items():
-        key = f"[correlation] {clean(first)}"
+        key = f"[correlation] {printable(first)}"
         if not isinstance(others, dict):
-            raise StudyError(f"{key} must name a second parameter, such as t.w = 0.5, but is {clean(repr(others))}.")
+            raise StudyError(
+                f"{key} must name a second parameter, such as t.w = 0.5, but is {printable(repr(others))}."
+            )
         for second, value in others.items():
-            pair, key = (first, second), f"[correlation] {clean(first)}.{clean(second)}"
+            pair, key = (first, second), f"[correlation] {printable(first)}.{printable(second)}"
             pairs[pair] = as_number(key, value)
             try:
                 scatter(spreads, correlation=pairs)
@@ -80,9 +82,9 @@ def check_statistic(key: str, name: str, answers: Iterable[str], tables: Mapping
         return False
     for table in ("scatter", *(["acceptable"] if name == YIELD else [])):
         if not tables.get(table):
-            raise StudyError(f"{key}: '{clean(name)}' is about made mechanisms. It needs [{table}].")
+            raise StudyError(f"{key}: '{printable(name)}' is about made mechanisms. It needs [{table}].")
     if asked is not None and asked.kind == "percentile":
-        check_samples(f"{key}: '{clean(name)}'", "tune", asked.percent, tables, SAMPLES)
+        check_samples(f"{key}: '{printable(name)}'", "tune", asked.percent, tables, SAMPLES)
     return True
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import StudyError, clean
+from ..errors import StudyError, printable
 
 # A kind of values: a function of key and value. It returns the checked value, or raises a StudyError with the key.
 Kind = Callable[[str, Any], Any]
@@ -15,13 +15,13 @@ Kind = Callable[[str, Any], Any]
 def as_number(key: str, value: Any) -> float:
     """Return a finite number."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise StudyError(f"{key} must be a number, not {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a number, not {printable(repr(value))}.")
     try:
         number = float(value)
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise StudyError(f"{key} must be a finite number, not {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a finite number, not {printable(repr(value))}.")
     return number
 
 
@@ -50,13 +50,13 @@ def as_numbers(key: str, value: Any) -> Any:
         raise StudyError(f"{key} has lists of different lengths.") from None
 
 
-def as_whole(least: int = 1, most: float = math.inf) -> Kind:
+def whole_kind(least: int = 1, most: float = math.inf) -> Kind:
     """Return the kind of whole numbers in a range."""
 
     def check(key: str, value: Any) -> int:
         if type(value) is not int or not least <= value <= most:
             to = f" to {most:g}" if most < math.inf else ""
-            raise StudyError(f"{key} must be a whole number from {least}{to}, but is {clean(repr(value))}.")
+            raise StudyError(f"{key} must be a whole number from {least}{to}, but is {printable(repr(value))}.")
         return value
 
     return check
@@ -65,7 +65,7 @@ def as_whole(least: int = 1, most: float = math.inf) -> Kind:
 def as_text(key: str, value: Any) -> str:
     """Return a text of printable letters."""
     if not isinstance(value, str) or not value.isprintable():
-        raise StudyError(f"{key} must be a text of printable letters, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a text of printable letters, but is {printable(repr(value))}.")
     return value
 
 
@@ -74,7 +74,7 @@ def as_choice(*known: str) -> Kind:
 
     def check(key: str, value: Any) -> str:
         if as_text(key, value) not in known:
-            raise StudyError(f"{key} must be {', '.join(known[:-1])} or {known[-1]}, not '{clean(value)}'.")
+            raise StudyError(f"{key} must be {', '.join(known[:-1])} or {known[-1]}, not '{printable(value)}'.")
         return value
 
     return check
@@ -83,21 +83,21 @@ def as_choice(*known: str) -> Kind:
 def as_node(key: str, value: Any) -> str:
     """Return the name of a node as a text."""
     if isinstance(value, bool) or not isinstance(value, str | int):
-        raise StudyError(f"{key} must be the name of a node, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be the name of a node, but is {printable(repr(value))}.")
     return str(value)
 
 
 def as_pair(key: str, value: Any) -> tuple[float, float]:
     """Return a mean and a positive standard deviation."""
     if not isinstance(value, list) or len(value) != 2:
-        raise StudyError(f"{key} must be a list of mean and standard deviation, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a list of mean and standard deviation, but is {printable(repr(value))}.")
     return as_number(key, value[0]), as_positive(key, value[1])
 
 
 def as_flag(key: str, value: Any) -> bool:
     """Return true or false."""
     if not isinstance(value, bool):
-        raise StudyError(f"{key} must be true or false, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be true or false, but is {printable(repr(value))}.")
     return value
 
 
@@ -105,5 +105,5 @@ def checked_table(key: str, content: dict[str, Any], schema: Mapping[str, Kind],
     """Return the checked values of a table."""
     for name in content:
         if name not in schema:
-            raise StudyError(f"{key}: there is no '{clean(name)}'. Known keys: {', '.join(schema)}.")
+            raise StudyError(f"{key}: there is no '{printable(name)}'. Known keys: {', '.join(schema)}.")
     return {name: schema[name](f"{key}{between}{name}", value) for name, value in content.items()}

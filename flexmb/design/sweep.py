@@ -12,15 +12,15 @@ import numpy as np
 from .. import __version__
 from ..arguments import ByName, Count, checked
 from ..compilation.compile import unguarded
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..model.model import Model
 from ..numerical_limits import SAME_STORED
 from ..progress import reporting
 from ..results import ANSWERED, RESULTS
-from .checkpoint import Checkpoint, refusal
-from .chunks import Task, Values, Worker, gathered, part_of
+from .checkpoint import Checkpoint, checkpoint_error
+from .chunks import Task, Values, Worker, chunk_of, gathered
 from .designs import Designs
-from .evaluate import REFUSED, Answers, Build, check_dimensions, check_names, first_built, named_answers
+from .evaluate import REFUSED, Answers, Build, check_answer_names, check_dimensions, first_built, named_answers
 from .identity import identity
 from .swept import Sweep
 
@@ -99,7 +99,7 @@ def sweep(
     functions = named_answers(answers)
     designs = designs if isinstance(designs, Designs) else Designs(designs)
     check_dimensions(build, tuple(designs))
-    check_names(tuple(designs), tuple(functions), RESERVED)
+    check_answer_names(tuple(designs), tuple(functions), RESERVED)
     for name in units or {}:
         if name not in designs and name not in functions:
             raise ValueError(f"Unit of '{name}': there is no such dimension or answer.")
@@ -114,26 +114,26 @@ def sweep(
     task = Task(build, functions, bool(compiled), together, example)
     parts: list[tuple[np.ndarray, Values]] = []
     with contextlib.ExitStack() as stack:
-        worker, kept = Worker(task, executor), None
+        worker, store = Worker(task, executor), None
         if checkpoint is not None:
             meaning = _meaning(task, designs, models)
-            kept = stack.enter_context(Checkpoint(checkpoint, meaning, designs, list(functions), dict(units or {})))
-            parts = [(rows, (values, codes)) for rows, values, codes in kept.parts]
-            _check_stored(kept, worker, designs, parts, chunk if compiled else REPEATED, chunk)
+            store = stack.enter_context(Checkpoint(checkpoint, meaning, designs, list(functions), dict(units or {})))
+            parts = [(rows, (values, codes)) for rows, values, codes in store.parts]
+            _check_stored(store, worker, designs, parts, chunk if compiled else REPEATED, chunk)
         missing = np.setdiff1d(np.arange(designs.count), np.concatenate([[], *(rows for rows, _ in parts)]))
         todo = [missing[first : first + chunk].astype(int) for first in range(0, len(missing), chunk)]
         report = stack.enter_context(reporting(progress, "designs", designs.count))
-        done = designs.count - len(missing)
-        for index, (values, codes) in worker.results([part_of(designs, rows, chunk) for rows in todo]):
+        computed = designs.count - len(missing)
+        for index, (values, codes) in worker.results([chunk_of(designs, rows, chunk) for rows in todo]):
             parts.append((todo[index], (values, codes)))
-            done += len(codes)
-            if kept is not None:
-                kept.add(todo[index], values, codes)
+            computed += len(codes)
+            if store is not None:
+                store.add(todo[index], values, codes)
             if report is not None:
-                report(done, designs.count)
-    found, codes = gathered(designs.count, list(functions), parts)
+                report(computed, designs.count)
+    results, codes = gathered(designs.count, list(functions), parts)
     _tell_of_unstable(codes)
-    return Sweep(designs, found, codes, dict(units or {}))
+    return Sweep(designs, results, codes, dict(units or {}))
 
 
 def _tell_of_unstable(codes: np.ndarray) -> None:
@@ -156,28 +156,37 @@ def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any
         "the function that builds it": identity(task.build),
         "the argument `compiled`": task.compiled,
         "the names of answers": list(task.functions),
-        **{f"the meaning of answer '{clean(name)}'": identity(f) for name, f in task.functions.items()},
+        **{f"the meaning of answer '{printable(name)}'": identity(f) for name, f in task.functions.items()},
     }
 
 
 def _check_stored(
-    kept: Checkpoint, worker: Worker, designs: Designs, parts: list[tuple[np.ndarray, Values]], count: int, chunk: int
+    checkpoint: Checkpoint,
+    worker: Worker,
+    designs: Designs,
+    parts: list[tuple[np.ndarray, Values]],
+    count: int,
+    chunk: int,
 ) -> None:
     """Refuse a checkpoint if some of its designs have other answers today, whatever the reason."""
     if not parts:
         return
-    names = list(kept.answers)
+    names = list(checkpoint.answers)
     known, codes = gathered(designs.count, names, parts)
     stored = np.unique(np.concatenate([rows for rows, _ in parts]))
     rows = stored[np.unique(np.linspace(0, len(stored) - 1, min(count, chunk, len(stored))).astype(int))]
-    ((_, values),) = worker.results([part_of(designs, rows, chunk)])
+    ((_, values),) = worker.results([chunk_of(designs, rows, chunk)])
     today, again = gathered(designs.count, names, [(rows, values)])
     if not np.array_equal(again[rows], codes[rows]):
-        raise refusal(kept.path, "belongs to another sweep: some of its designs have other codes today")
+        raise checkpoint_error(checkpoint.path, "belongs to another sweep: some of its designs have other codes today")
     good = rows[np.isin(codes[rows], ANSWERED)]
     for name in names:
-        before, now = known[name], today[name]
+        before, recomputed = known[name], today[name]
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
-        alike = len(good) == 0 or before.shape == now.shape
-        if not alike or not np.allclose(now[good], before[good], rtol=0, atol=SAME_STORED * scale, equal_nan=True):
-            raise refusal(kept.path, f"belongs to another sweep: answer '{clean(name)}' of some designs is another")
+        alike = len(good) == 0 or before.shape == recomputed.shape
+        if not alike or not np.allclose(
+            recomputed[good], before[good], rtol=0, atol=SAME_STORED * scale, equal_nan=True
+        ):
+            raise checkpoint_error(
+                checkpoint.path, f"belongs to another sweep: answer '{printable(name)}' of some designs is another"
+            )

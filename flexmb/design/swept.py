@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from ..display import Column, Labelled, Quantities, Summary, span
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..files import save_arrays
 from ..results import ANSWERED, RESULTS
 from .designs import Designs
 from .front import nondominated
-from .stored import read
+from .stored import read_sweep
 
 # Number of rows of a table on the terminal.
 ROWS = 20
@@ -38,11 +38,11 @@ class Sweep(Labelled):
 
     def __getitem__(self, name: str) -> np.ndarray:
         """An answer or a dimension by name, with the axes of a grid first."""
-        found = self.answers[name] if name in self.answers else self.designs.get(name)
-        if found is None:
+        values = self.answers[name] if name in self.answers else self.designs.get(name)
+        if values is None:
             raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
         lengths = tuple(len(axis) for axis in self.axes.values())
-        return found.reshape(lengths + found.shape[1:]) if self.axes else found
+        return values.reshape(lengths + values.shape[1:]) if self.axes else values
 
     def column(self, name: str) -> np.ndarray:
         """Return one number of every design.
@@ -66,7 +66,7 @@ class Sweep(Labelled):
                 raise KeyError(f"'{entry[1]}' has shape {shape} a design, and no entry {list(at)}")
             return known[entry[1]][(slice(None), *at)]
         if name not in known:
-            raise KeyError(f"no answer or dimension '{clean(name)}'; there are {', '.join(known)}")
+            raise KeyError(f"no answer or dimension '{printable(name)}'; there are {', '.join(known)}")
         if known[name].ndim > 1:
             first = ", ".join("0" * (known[name].ndim - 1))
             raise ValueError(f"'{name}' has several numbers a design. Name one of them, such as '{name}[{first}]'.")
@@ -111,13 +111,13 @@ class Sweep(Labelled):
             Definition: a design is left out if another one is no worse in all criteria and better in one.
         """
         senses = {"minimize": minimize, "maximize": maximize}
-        pairs = [(n, sense) for sense, given in senses.items() for n in ([given] if isinstance(given, str) else given)]
+        pairs = [(n, sense) for sense, names in senses.items() for n in ([names] if isinstance(names, str) else names)]
         criteria = dict(pairs)
         if not pairs:
             raise ValueError("The front has no criteria. Give `minimize`, `maximize` or both, by names of answers.")
         if len(criteria) < len(pairs):
             twice = next(name for i, (name, _) in enumerate(pairs) if name in dict(pairs[:i]))
-            raise ValueError(f"'{clean(twice)}' is given twice. Give it once.")
+            raise ValueError(f"'{printable(twice)}' is given twice. Give it once.")
         costs = np.stack([self.column(n) * (1 if sense == "minimize" else -1) for n, sense in pairs], axis=1)
         known = np.flatnonzero(np.isin(self.codes, ANSWERED) & ~np.any(np.isnan(costs), axis=1))
         if not len(known):
@@ -132,8 +132,8 @@ class Sweep(Labelled):
             rows: Largest number of rows.
         """
         columns = {n: v for n, v in {**self.designs, **self.answers}.items() if v.ndim == 1}
-        widths = [max(16, len(clean(name)) + 2) for name in columns]
-        lines = ["".join(f"{clean(n):>{w}}" for n, w in zip(columns, widths, strict=True)) + "  result"]
+        widths = [max(16, len(printable(name)) + 2) for name in columns]
+        lines = ["".join(f"{printable(n):>{w}}" for n, w in zip(columns, widths, strict=True)) + "  result"]
         for i, code in enumerate(self.codes[:rows]):
             cells = [f"{v[i]:>{w}.7g}" for v, w in zip(columns.values(), widths, strict=True)]
             lines.append("".join(cells) + f"  {RESULTS(int(code)).name}")
@@ -155,10 +155,10 @@ class Sweep(Labelled):
         along = tuple(self.axes) or ("design",)
         grid = {name: Column((name,), values, self.units.get(name, "")) for name, values in self.axes.items()}
         named = (*(() if self.axes else self.designs), *self.answers)
-        found = {name: Column(along, self[name], self.units.get(name, "")) for name in named}
+        columns = {name: Column(along, self[name], self.units.get(name, "")) for name in named}
         codes = self.codes.reshape(tuple(len(a) for a in self.axes.values()) or (-1,))
-        found["result"] = Column(along, codes, meaning="code of flexmb.RESULTS")
-        return Quantities(along, grid, found)
+        columns["result"] = Column(along, codes, meaning="code of flexmb.RESULTS")
+        return Quantities(along, grid, columns)
 
     def save(self, path: str | os.PathLike) -> None:
         """Write a .npz or .mat with all dimensions and answers by name, "codes", and "about" (units) as JSON.
@@ -195,10 +195,10 @@ class Sweep(Labelled):
         Warns:
             FlexmbWarning: The checkpoint is unfinished.
         """
-        designs, answers, codes, units, planned = read(path)
+        designs, answers, codes, units, planned = read_sweep(path)
         if len(codes) < planned:
             warn(
-                f"Checkpoint '{clean(path)}' contains {len(codes)} of {planned} designs; these are loaded. Call"
+                f"Checkpoint '{printable(path)}' contains {len(codes)} of {planned} designs; these are loaded. Call"
                 " fm.sweep with the same arguments to compute the others."
             )
         return Sweep(designs, answers, codes, units)

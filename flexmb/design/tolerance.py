@@ -12,7 +12,7 @@ from ..display import Column, Labelled, Quantities, Summary, counted, largest, l
 from ..errors import warn
 from ..numerical_limits import NOT_LINEAR, ZERO_SECOND_ORDER
 from ..results import ANSWERED
-from .designs import MOST, numbers
+from .designs import MOST, double_numbers
 from .evaluate import Answers, Build, Layout, layout_of
 from .scatter import Scatter, moments, nominal_values
 from .sensitivities import Sensitivities, derived
@@ -65,9 +65,9 @@ class Tolerances(Labelled):
         """Return values, deviations and shares by answer and dimension."""
         over = ("answer",)
         names = {"answer": self.answers, "dimension": self.dimensions}
-        found = {"value": Column(over, self.values), "deviation": Column(over, self.deviations)}
-        found["share"] = Column((*over, "dimension"), self.shares, "-")
-        return Quantities(over, {name: Column((name,), np.array(own)) for name, own in names.items()}, found)
+        columns = {"value": Column(over, self.values), "deviation": Column(over, self.deviations)}
+        columns["share"] = Column((*over, "dimension"), self.shares, "-")
+        return Quantities(over, {name: Column((name,), np.array(entries)) for name, entries in names.items()}, columns)
 
     def summary(self) -> Summary:
         """Return each answer with its deviation and the dimension with the largest share."""
@@ -136,43 +136,45 @@ def tolerances(
         at random deviations d of the same scatter. Warning: for independent normal deviations, H adds the sum of
         H_ii s_i^2/2 to the mean and the sum of (H_ij s_i s_j)^2/2 to the variance. Samples: Monte Carlo.
     """
-    joint, own = None, {}
+    joint, by_name = None, {}
     if isinstance(deviations, Scatter):
         dimensions, joint = nominal_values(deviations, dimensions), deviations
     else:
-        own = check_by_name("deviations", deviations)
-        for name, deviation in own.items():
+        by_name = check_by_name("deviations", deviations)
+        for name, deviation in by_name.items():
             if name not in dimensions:
                 raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
-            size = numbers(f"Deviation of '{name}'", deviation)
+            size = double_numbers(f"Deviation of '{name}'", deviation)
             if not np.all(size >= 0) or not np.all(np.isfinite(size)):
                 raise ValueError(f"Deviation of '{name}' is {deviation}. It must be finite and not negative.")
-    found, derivatives = derived(build, answers, dimensions, second_order, None, True)
+    sensitivities, derivatives = derived(build, answers, dimensions, second_order, None, True)
     layout = layout_of(dimensions)
     if joint is None:
-        spread = layout.join({name: own.get(name, 0.0) for name in layout.names})
+        spread = layout.join({name: by_name.get(name, 0.0) for name in layout.names})
         shift, covariance = np.zeros(len(spread)), np.diag(spread**2)
     else:
         shift, covariance = moments(joint, dimensions)
         spread = np.sqrt(np.diag(covariance))
-    parts = found.slopes * (found.slopes @ covariance)
+    parts = sensitivities.slopes * (sensitivities.slopes @ covariance)
     total = parts.sum(axis=1)
     shares = parts / np.where(total > 0, total, 1.0)[:, None]
-    _warn_of_curvature(found, derivatives, spread)
-    scatter_of = Tolerances(found.answers, found.dimensions, found.values, np.sqrt(total), shares)
+    _warn_of_curvature(sensitivities, derivatives, spread)
+    scatter_of = Tolerances(
+        sensitivities.answers, sensitivities.dimensions, sensitivities.values, np.sqrt(total), shares
+    )
 
     def deviated(count: int, seed: int) -> np.ndarray:
         """Return random deviations from the nominal dimensions, (count, n)."""
         if joint is None:
             return spread * np.random.default_rng(seed).standard_normal((count, len(spread)))
-        return _rows(joint.draw(count, dimensions, seed)) - found.point
+        return _rows(joint.draw(count, dimensions, seed)) - sensitivities.point
 
     if second_order:
-        rest = partial(_exact, build, answers, layout, found.point)
-        scatter_of = _with_second_order(scatter_of, found, shift, covariance, deviated, rest, seed)
+        exact = partial(_exact, build, answers, layout, sensitivities.point)
+        scatter_of = _with_second_order(scatter_of, sensitivities, shift, covariance, deviated, exact, seed)
     if not samples:
         return scatter_of
-    ran, good = _exact(build, answers, layout, found.point, deviated(samples, seed))
+    ran, good = _exact(build, answers, layout, sensitivities.point, deviated(samples, seed))
     good = good[np.isin(ran.codes, ANSWERED)]
     if len(good) < 2:
         raise ValueError(f"Fewer than two of {samples} samples have answers: {ran.failures()}")
@@ -203,7 +205,7 @@ def _exact(
 
 def _with_second_order(
     first_order: Tolerances,
-    found: Sensitivities,
+    sensitivities: Sensitivities,
     shift: np.ndarray,
     covariance: np.ndarray,
     deviated: Callable[[int, int], np.ndarray],
@@ -211,14 +213,14 @@ def _with_second_order(
     seed: int,
 ) -> Tolerances:
     """Add second-order mean, deviation, interval and error to the first order."""
-    curvatures = np.asarray(found.curvatures)
+    curvatures = np.asarray(sensitivities.curvatures)
 
     def quadratic(rows: np.ndarray) -> np.ndarray:
         bent = np.stack([np.sum((rows @ curvature) * rows, axis=1) for curvature in curvatures], axis=1)
-        return found.values + rows @ found.slopes.T + bent / 2
+        return sensitivities.values + rows @ sensitivities.slopes.T + bent / 2
 
     second = covariance + np.outer(shift, shift)
-    mean = found.values + found.slopes @ shift + np.einsum("mij,ij->m", curvatures, second) / 2
+    mean = sensitivities.values + sensitivities.slopes @ shift + np.einsum("mij,ij->m", curvatures, second) / 2
     many = quadratic(deviated(OF_SECOND_ORDER, seed))
     some = deviated(CHECKED_DESIGNS, seed + 1)
     ran, rows = exact(some)
@@ -235,24 +237,31 @@ def _with_second_order(
     )
 
 
-def _warn_of_curvature(found: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray) -> None:
+def _warn_of_curvature(
+    sensitivities: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray
+) -> None:
     """Warn of answers with a nonlinear scatter, from derivatives one deviation to both sides of the dimensions."""
-    linear = np.abs(found.slopes * spread)
+    linear = np.abs(sensitivities.slopes * spread)
     shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
     checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]
     bent: Any = np.zeros((len(checked), *linear.shape))  # H_ij s_i s_j of each answer
     for row, i in zip(bent, checked, strict=True):
         aside = spread * (np.arange(len(spread)) == i)
-        (_, up, _, first), (_, down, _, last) = derivatives(found.point + aside), derivatives(found.point - aside)
+        (_, up, _, first), (_, down, _, last) = (
+            derivatives(sensitivities.point + aside),
+            derivatives(sensitivities.point - aside),
+        )
         known = first in ANSWERED and last in ANSWERED
         row[:] = (np.asarray(up) - np.asarray(down)) * spread / 2 if known else np.nan
     mean = np.abs(sum((row[:, i] for row, i in zip(bent, checked, strict=True)), np.zeros(len(linear)))) / 2
     added = np.maximum(mean, np.sqrt(np.sum(bent**2, axis=(0, 2)) / 2))
     deviations = np.sqrt(np.sum(linear**2, axis=1))
-    limit = np.maximum(NOT_LINEAR * deviations, ZERO_SECOND_ORDER * np.abs(found.values))
+    limit = np.maximum(NOT_LINEAR * deviations, ZERO_SECOND_ORDER * np.abs(sensitivities.values))
     wrong = np.flatnonzero(~(added <= limit))
     if len(wrong):
-        names = [f"'{found.answers[i]}' (± {short(deviations[i])}, second order {short(added[i])})" for i in wrong]
+        names = [
+            f"'{sensitivities.answers[i]}' (± {short(deviations[i])}, second order {short(added[i])})" for i in wrong
+        ]
         warn(
             f"The scatter of {listed(names)} is not linear in the dimensions. Its first-order deviation is wrong:"
             " within the tolerances two frequencies nearly coincide, or a design has no answer. Set samples=1000, or"

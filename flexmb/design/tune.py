@@ -14,31 +14,31 @@ from jaxtyping import Array, Float
 from ..arguments import ByName, Count, Positive, WholeFromZero, check_whole, checked
 from ..compilation.by_meaning import jit
 from ..compilation.compile import unguarded
-from ..errors import AnalysisError, clean, first_line, warn
+from ..errors import AnalysisError, first_line, printable, warn
 from ..numerical_limits import AT_BOUND
 from ..progress import reporting
 from ..results import RESULTS
 from .choices import Options, combinations, options_of
 from .curve import Curve
-from .designs import numbers
+from .designs import double_numbers
 from .evaluate import (
     REFUSED,
     Answers,
     Build,
     Layout,
     build_once,
+    check_answer_names,
     check_dimensions,
-    check_names,
     flat_function,
     layout_of,
     named_answers,
 )
 from .lockstep import in_lockstep
-from .possible import refusal
+from .possible import refusal_of_designs
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
 from .scatter import Scatter
-from .search import Attempt, Kernel, search
+from .search import Attempt, Kernel, search_from
 from .sensitivities import REVERSE_COST
 from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
 from .tuned import Combination, Tuned
@@ -138,34 +138,38 @@ def tune(
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
-    dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+    dimensions = {name: double_numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
     asked = [name for name in (minimize, maximize) if name is not None]
-    asked += [name for what in (targets, limits, equal) for name in what or ()]
+    asked += [name for table in (targets, limits, equal) for name in table or ()]
     sampled = sampled_of(scatter, samples, seed, asked, functions, layout.names, acceptable)
     further = () if sampled is None else tuple(sampled.further(layout))
     if twice := [name for name in further if name in options]:
-        raise ValueError(f"'{clean(twice[0])}' has choices and a nominal value. Scatter it about a dimension instead.")
+        raise ValueError(
+            f"'{printable(twice[0])}' has choices and a nominal value. Scatter it about a dimension instead."
+        )
     check_dimensions(build, (*layout.names, *further, *options))
-    check_names((*layout.names, *further, *options), tuple(functions), RESERVED)
+    check_answer_names((*layout.names, *further, *options), tuple(functions), RESERVED)
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(dimensions)
     scaling.check_inside(first)
     for name in (minimize, maximize):
         if name is not None and not isinstance(name, str):
-            raise ValueError(f"Arguments `minimize` and `maximize` must be names of answers, not {clean(repr(name))}.")
-    wanted = {"minimize": minimize, "maximize": maximize}
-    wanted |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
+            raise ValueError(
+                f"Arguments `minimize` and `maximize` must be names of answers, not {printable(repr(name))}."
+            )
+    requirements = {"minimize": minimize, "maximize": maximize}
+    requirements |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
     counts = starts, together, seed, tolerance, max_evaluations
-    question = _Question(functions, scaling, first, wanted, optimizer, *counts, progress, sampled)
+    question = _Question(functions, scaling, first, requirements, optimizer, *counts, progress, sampled)
     if options:
-        found = _best_combination(question, build, options)
+        tuned = _best_combination(question, build, options)
     else:
-        found, *_ = _searched(question, build)
-    if throw and found.result is not RESULTS.successful:
-        raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
-    return found
+        tuned, *_ = _searched(question, build)
+    if throw and tuned.result is not RESULTS.successful:
+        raise AnalysisError(tuned.result.name, f"{tuned.result.message} {tuned.reason}\n{tuned}")
+    return tuned
 
 
 class _Question(NamedTuple):
@@ -200,24 +204,26 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
     dependence, reference = [], None
     for values, labels in combinations(options):
         try:
-            found, ignored, own = _searched(question, functools.partial(build, **values), reference, alone=False)
+            tuned, ignored, start_answers = _searched(
+                question, functools.partial(build, **values), reference, alone=False
+            )
         except (*REFUSED, _StartError) as fault:
             faults.append(fault)
             why = fault.result if isinstance(fault, _StartError) else RESULTS.impossible_design
-            tried.append(Combination(values, labels, None, why, clean(first_line(fault))))
+            tried.append(Combination(values, labels, None, why, printable(first_line(fault))))
             continue
-        reference = own if reference is None else reference
+        reference = start_answers if reference is None else reference
         dependence.append(ignored)
-        tried.append(Combination(values, labels, found, found.result, found.reason))
+        tried.append(Combination(values, labels, tuned, tuned.result, tuned.reason))
     if not dependence:
         raise faults[0]
     # Answers may depend on a dimension in some combinations only, such as a gap between two leaf springs.
     _refuse_ignored(question.scaling.layout.labels, np.all(dependence, axis=0))
 
     def rank(combination: Combination) -> tuple:
-        if (found := combination.tuned) is None:
+        if (tuned := combination.tuned) is None:
             return np.inf, np.inf
-        return found.violation > question.tolerance and found.violation, found.objective
+        return tuned.violation > question.tolerance and tuned.violation, tuned.objective
 
     best = min(tried, key=rank)
     assert best.tuned is not None
@@ -287,23 +293,23 @@ def _searched(
     runs = _attempts(q, problem, kernel)
     limit = 2 * q.tolerance
     best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
-    found = _found(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    tuned = _tuned_of(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
     _tell(kernel, best)
     curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
-    return dataclasses.replace(found, curves=curves), ignored, at_start[0]
+    return dataclasses.replace(tuned, curves=curves), ignored, at_start[0]
 
 
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
     """Return the kernel of a question, and the layout of its answers."""
     scaling, layout = q.scaling, q.scaling.layout
-    first, whole, made = layout.split(q.first), layout, lambda flat: flat[None]
+    first, full_layout, to_rows = layout.split(q.first), layout, lambda flat: flat[None]
     if q.sampled is not None:
         first |= q.sampled.further(layout)
-        whole, made = q.sampled.made(layout)
+        full_layout, to_rows = q.sampled.made(layout)
     models = build_once(build, first)
     of_flat = flat_function if q.sampled is None else q.sampled.function
     function, of_answers = of_flat(build, q.functions, layout, models)
-    of_designs = refusal(build, models, first) if whole.names else None
+    of_designs = refusal_of_designs(build, models, first) if full_layout.names else None
 
     def of_unit(unit: Float[Array, "n"]):
         return function(scaling.to_dimensions(unit))
@@ -312,11 +318,11 @@ def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
         if of_designs is None:
             return np.zeros(len(units), bool)
         # A design of which one made mechanism cannot be built has no statistics.
-        rows = np.stack([made(scaling.to_dimensions(unit)) for unit in units])
-        return np.any(of_designs(whole.stacked(rows.reshape(-1, rows.shape[-1]))).reshape(len(units), -1), axis=1)
+        rows = np.stack([to_rows(scaling.to_dimensions(unit)) for unit in units])
+        return np.any(of_designs(full_layout.stacked(rows.reshape(-1, rows.shape[-1]))).reshape(len(units), -1), axis=1)
 
     named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
-    named |= {name for what in ("targets", "limits", "equal") for name in q.wanted[what]}
+    named |= {name for table in ("targets", "limits", "equal") for name in q.wanted[table]}
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
     kernel = _Kernel(of_unit, refused, scaling.to_unit(q.first), np.flatnonzero(asked), len(asked))
     return kernel, of_answers
@@ -327,9 +333,9 @@ def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Att
     units = [kernel.start, *_other_starts(q.starts - 1, len(kernel.start), q.seed)]
     with reporting(q.progress, "evaluations, objective, violation") as report:
 
-        def from_start(of: Kernel, unit: np.ndarray):
+        def from_start(compute: Kernel, unit: np.ndarray):
             how = q.optimizer, q.tolerance, q.max_evaluations
-            return search(problem, of, kernel.of_unit, kernel.refused, unit, *how, progress=report)
+            return search_from(problem, compute, kernel.of_unit, kernel.refused, unit, *how, progress=report)
 
         size = min(q.together, q.starts)
         if size > 1:
@@ -407,7 +413,7 @@ def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:
     return list(qmc.LatinHypercube(n, rng=np.random.default_rng(seed)).random(count))
 
 
-def _found(
+def _tuned_of(
     best: Attempt,
     runs: list[Attempt],
     problem: TuningProblem,

@@ -104,10 +104,10 @@ class Tuned(Result):
         lines = ["  ".join(["   ", *heads, " objective", " violation", "result"])]
         for combination in self.combinations:
             cells = [f"{combination.labels[name]:>{width}}" for name, width in zip(names, widths, strict=True)]
-            found, reason = combination.tuned, [combination.reason]
-            numbers = [f"{n:.4g}" for n in (found.objective, found.violation)] if found else ["-", "-"]
+            tuned, reason = combination.tuned, [combination.reason]
+            numbers = [f"{n:.4g}" for n in (tuned.objective, tuned.violation)] if tuned else ["-", "-"]
             cells += [f"{number:>10}" for number in numbers]
-            parts = [f"{name} = {_text(v)}" for name, v in found.dimensions.items()] if found else reason
+            parts = [f"{name} = {_text(v)}" for name, v in tuned.dimensions.items()] if tuned else reason
             mark = "  *" if combination.choices is self.choices else "   "
             result = combination.result.name + (": " if parts else "") + ", ".join(parts)
             lines.append("  ".join([mark, *cells, result]))

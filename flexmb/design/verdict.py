@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
-from ..arguments import Count, check_number, check_numbers, checked, shown
+from ..arguments import Count, check_number, check_numbers, checked, short_repr
 from ..arguments import numbers as as_numbers
 from ..build.restrict import with_turn
 from ..checks.mobility import mobility
 from ..compilation.compile import unguarded
 from ..errors import heard
-from ..model.model import Model, as_determined, as_known
+from ..model.model import Model, as_determined, as_known_model
 from ..numerical_limits import LIMIT_ENDS, LIMIT_EXTREME, LIMIT_PLACE
 from ..progress import reporting
-from .designs import numbers
+from .designs import double_numbers
 from .evaluate import Build, check_dimensions
 from .judgement import Limit, Verdict, most
 from .over_stroke import StrokeQuestions, unit_of_curve
@@ -85,14 +85,14 @@ def verdict(
     if callable(model) and not isinstance(model, Model):
         if not dimensions:
             raise TypeError("fm.verdict of a function needs dimensions={'t': 0.5e-3, ..}, as fm.sensitivities does.")
-        dimensions = {name: numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+        dimensions = {name: double_numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
         check_dimensions(model, tuple(dimensions))
         build, model = model, model(**dimensions)
     elif dimensions is not None:
         raise TypeError(
             "Argument `dimensions` needs a function of the dimensions. Give the function instead of the model."
         )
-    model = as_determined(as_known(model, "verdict"), "verdict")
+    model = as_determined(as_known_model(model, "verdict"), "verdict")
     name, (low, high) = _ends(stroke)
     model = with_turn(model, str(name))
     asked = StrokeQuestions(model, driven(model, name), node, count)
@@ -119,13 +119,13 @@ def verdict(
         curves, strokes = asked.curves(), np.array(sorted(asked.values))
         states = asked.places(), asked.stable("held"), asked.stable("free")
         x = np.array([asked.at[s].held.x for s in strokes.tolist()])
-        found = _limits(asked, strokes, curves, limits or {})
-        table = None if build is None else _sensitivities(asked, build, dimensions or {}, found, strokes)
+        ordered_limits = _limits(asked, strokes, curves, limits or {})
+        table = None if build is None else _sensitivities(asked, build, dimensions or {}, ordered_limits, strokes)
         with heard():
             redundant = mobility(model)
     units = {name: unit_of_curve(name, asked.unit) for name in curves}
     head = asked.driven.name, asked.unit, asked.node
-    return Verdict(*head, strokes, curves, units, found, redundant, table, asked.unanswered, *states, x, model)
+    return Verdict(*head, strokes, curves, units, ordered_limits, redundant, table, asked.unanswered, *states, x, model)
 
 
 def _ends(stroke: Any) -> tuple[str | None, tuple[float, float]]:
@@ -133,35 +133,39 @@ def _ends(stroke: Any) -> tuple[str | None, tuple[float, float]]:
     name = None
     if isinstance(stroke, Mapping):
         if len(stroke) != 1:
-            raise ValueError(f"Argument `stroke` must name one coordinate, not {len(stroke)}: {shown(dict(stroke))}.")
+            raise ValueError(
+                f"Argument `stroke` must name one coordinate, not {len(stroke)}: {short_repr(dict(stroke))}."
+            )
         ((name, stroke),) = stroke.items()
     if np.ndim(stroke) == 1 and len(stroke) == 2:
         low, high = stroke
         check_numbers("Argument `stroke`", (low, high))
         if not low <= 0 <= high or low == high:
-            raise ValueError(f"Argument `stroke` must have ends about zero, but has {shown(stroke)}.")
+            raise ValueError(f"Argument `stroke` must have ends about zero, but has {short_repr(stroke)}.")
         return name, (float(low), float(high))
     check_number("stroke", stroke, above=0)
     return name, (-float(stroke), float(stroke))
 
 
 def _limits(
-    asked: StrokeQuestions, strokes: np.ndarray, curves: dict[str, np.ndarray], given: Mapping[str, Any]
+    asked: StrokeQuestions, strokes: np.ndarray, curves: dict[str, np.ndarray], user_limits: Mapping[str, Any]
 ) -> tuple[Limit, ...]:
     """Limits and where they are reached, the first one first."""
-    wanted = {name: value for name, value in USUAL.items() if np.any(np.isfinite(curves.get(name, np.nan)))}
-    for name, value in given.items():
+    values = {name: value for name, value in USUAL.items() if np.any(np.isfinite(curves.get(name, np.nan)))}
+    for name, value in user_limits.items():
         name = "frequency 1" if name == "frequency" else name
         if name not in curves:
-            why = "".join(f" {what} has no answer: {why}." for what, why in asked.unanswered.items())
-            raise ValueError(f"Limit of {shown(name)}: there is no such curve. There are: {', '.join(curves)}.{why}")
-        wanted[name] = value
-    found = []
-    for name, value in wanted.items():
+            why = "".join(f" {question} has no answer: {why}." for question, why in asked.unanswered.items())
+            raise ValueError(
+                f"Limit of {short_repr(name)}: there is no such curve. There are: {', '.join(curves)}.{why}"
+            )
+        values[name] = value
+    limits = []
+    for name, value in values.items():
         limit = _limit(name, value)
         used = np.array([limit.share(v) for v in curves[name].tolist()])
-        found.append(dataclasses.replace(limit, used=used, stroke=_reached(asked, limit, strokes)))
-    return tuple(sorted(found, key=_order))
+        limits.append(dataclasses.replace(limit, used=used, stroke=_stroke_of_limit(asked, limit, strokes)))
+    return tuple(sorted(limits, key=_order))
 
 
 def _order(limit: Limit) -> tuple[float, float]:
@@ -169,7 +173,7 @@ def _order(limit: Limit) -> tuple[float, float]:
     return np.inf if limit.stroke is None else abs(limit.stroke), -float(np.nanmax(limit.used))
 
 
-def _reached(asked: StrokeQuestions, limit: Limit, strokes: np.ndarray) -> float | None:
+def _stroke_of_limit(asked: StrokeQuestions, limit: Limit, strokes: np.ndarray) -> float | None:
     """The stroke nearest to zero at which a limit is reached."""
 
     def excess(stroke: float) -> float:
@@ -180,9 +184,9 @@ def _reached(asked: StrokeQuestions, limit: Limit, strokes: np.ndarray) -> float
     if excess(0.0) >= 0:
         return 0.0
     sides = strokes[strokes >= 0], strokes[strokes <= 0][::-1]
-    found = [place for side in sides if (place := _first_reached(excess, side.tolist())) is not None]
+    reached = [place for side in sides if (place := _first_reached(excess, side.tolist())) is not None]
     # Of two equal strokes take the positive one.
-    return min(found, key=lambda s: abs(s) * (1 + 10 * LIMIT_PLACE * (s < 0)), default=None)
+    return min(reached, key=lambda s: abs(s) * (1 + 10 * LIMIT_PLACE * (s < 0)), default=None)
 
 
 def _first_reached(excess: Callable[[float], float], side: list[float]) -> float | None:
@@ -199,9 +203,11 @@ def _first_reached(excess: Callable[[float], float], side: list[float]) -> float
         c = every[i + 1] if i + 1 < len(every) else b
         beside = excess(a), excess(c)
         if c != b and -0.5 < excess(b) < 0 and min(beside) < excess(b) >= max(beside):
-            near = {"xatol": LIMIT_EXTREME * abs(c - a)}
-            found: Any = minimize_scalar(lambda s: -excess(s), bounds=sorted((a, c)), method="bounded", options=near)
-            b = float(found.x)
+            options = {"xatol": LIMIT_EXTREME * abs(c - a)}
+            extreme: Any = minimize_scalar(
+                lambda s: -excess(s), bounds=sorted((a, c)), method="bounded", options=options
+            )
+            b = float(extreme.x)
         if excess(b) >= 0:
             reached: Any = brentq(excess, a, b, xtol=LIMIT_PLACE * abs(b - a))
             return float(reached)
@@ -217,8 +223,8 @@ def _sensitivities(
         first = limits[0]
         stroke = float(strokes[most(first.used)]) if first.stroke is None else first.stroke
     names = list(asked.values[0.0])
-    found = sensitivities(build, {"curves": lambda m: asked.numbers_at(m, stroke, names)}, dimensions, throw=False)
-    return dataclasses.replace(found, answers=tuple(names))
+    table = sensitivities(build, {"curves": lambda m: asked.numbers_at(m, stroke, names)}, dimensions, throw=False)
+    return dataclasses.replace(table, answers=tuple(names))
 
 
 def _limit(name: str, value: Any) -> Limit:
@@ -229,7 +235,7 @@ def _limit(name: str, value: Any) -> Limit:
     for end in pair:
         if end is not None and not (as_numbers(end) is not None and np.ndim(end) == 0 and 0 < end < np.inf):
             raise ValueError(
-                f"Limit of '{name}' must be a positive number or a pair (lower, upper), but is {shown(value)}."
+                f"Limit of '{name}' must be a positive number or a pair (lower, upper), but is {short_repr(value)}."
             )
     lower, upper = (None if end is None else float(end) for end in pair)
     if lower is None and upper is None:

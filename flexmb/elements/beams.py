@@ -191,7 +191,7 @@ def truss_resultants(p: Array, q: Array, *, ref, place, sigma, section, fall=Non
         mass = section.rigidity().mass * beam_length(ref)
         ends = (LINEAR_MASS @ fall) @ ((q - p) / length(q - p)) * np.array([1.0, -1.0])
         between, _ = distributed(LINEAR_SHAPES, fall, place)
-        normal = normal + mass * (along(ends, place) + between @ ((q - p) / length(q - p)))
+        normal = normal + mass * (resultants_between_ends(ends, place) + between @ ((q - p) / length(q - p)))
     return jnp.concatenate([normal[None], jnp.zeros(5)])
 
 
@@ -224,7 +224,7 @@ def distributed(
     return -inside(once) @ fall, inside(twice) @ fall
 
 
-def along(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> Float[Array, "..."]:
+def resultants_between_ends(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> Float[Array, "..."]:
     """Section resultants between the two ends of a beam that carries no load in between.
 
     It is the equilibrium to first order in the deflection within one element: bending moments are linear, the other
@@ -241,8 +241,8 @@ def check_length(*, ref: Reference) -> list[str]:
     p, q = as_floats(ref.p), as_floats(ref.q)
     xp = library_of((p, q))
     # Equal positions computed in two ways, such as 3 * 0.05 and 0.15, differ by round-off.
-    left = SHORTEST_ELEMENT * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
-    if holds(xp.linalg.norm(q - p, axis=-1) > left):
+    shortest = SHORTEST_ELEMENT * xp.max(xp.maximum(xp.abs(p), xp.abs(q)), axis=-1)
+    if holds(xp.linalg.norm(q - p, axis=-1) > shortest):
         return []
     return ["has zero length: its two ends have the same position"]
 

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_reals, check_numbers, holds, is_concrete, shown
+from ..arguments import as_reals, check_numbers, holds, is_concrete, short_repr
 from ..compilation.record import Record
 from ..errors import ModelError
 from ..math.quadrature import (
@@ -76,7 +76,9 @@ def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
         ModelError: The function does not return one or three numbers, or is not smooth.
     """
     if not callable(function):
-        raise ModelError(f"The curvature of a beam must be a function of the place from 0 to 1, not {shown(function)}.")
+        raise ModelError(
+            f"The curvature of a beam must be a function of the place from 0 to 1, not {short_repr(function)}."
+        )
     nodes = gauss(COUNT)[0]
     values = [as_reals("The curvature of a beam", function(float(place)), ModelError) for place in nodes]
     if any(np.shape(value) not in ((), (3,)) for value in values):
@@ -85,15 +87,17 @@ def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
             f" {np.shape(values[0])}."
         )
     library: Any = np if is_concrete(values) else jnp
-    made = CurvedLine(legendre_coefficients(nodes) @ library.stack([library.asarray(value, float) for value in values]))
+    curve = CurvedLine(
+        legendre_coefficients(nodes) @ library.stack([library.asarray(value, float) for value in values])
+    )
     if library is np:
-        told = np.array([function(float(place)) for place in LOOKED_AT], float)
-        if np.max(np.abs(told - made.at(LOOKED_AT))) > SMOOTH_CURVE * np.max(np.abs(told)):
+        samples = np.array([function(float(place)) for place in LOOKED_AT], float)
+        if np.max(np.abs(samples - curve.at(LOOKED_AT))) > SMOOTH_CURVE * np.max(np.abs(samples)):
             raise ModelError(
                 "The curvature of a beam is not smooth enough along it: make a beam of each smooth piece, and join the"
                 " beams at nodes."
             )
-    return made
+    return curve
 
 
 def curvature_through(points: Any, y: Any = None) -> CurvedLine:
@@ -115,35 +119,40 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
-    given: Any = np.zeros(0)
+    coordinates: Any = np.zeros(0)
     try:
-        given = np.asarray(points, float)
+        coordinates = np.asarray(points, float)
     except (TypeError, ValueError):
         pass
-    if given.ndim != 2 or len(given) < 3 or given.shape[1] not in (2, 3) or not np.all(np.isfinite(given)):
-        raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {shown(points)}.")
+    if (
+        coordinates.ndim != 2
+        or len(coordinates) < 3
+        or coordinates.shape[1] not in (2, 3)
+        or not np.all(np.isfinite(coordinates))
+    ):
+        raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {short_repr(points)}.")
     across = None
     if y is not None:
-        if given.shape[1] == 2:
+        if coordinates.shape[1] == 2:
             raise ModelError("A curve in the plane takes no `y`.")
         check_numbers("`y` of a curve", y, (3,), ModelError)
         across = np.asarray(y, float)
-    away = np.linalg.norm(np.diff(given, axis=0), axis=1)
+    away = np.linalg.norm(np.diff(coordinates, axis=0), axis=1)
     if np.min(away) <= 0:
         raise ModelError("Two successive points of a curve coincide.")
     if across is not None:
-        sine = np.linalg.norm(np.cross(given[1] - given[0], across))
+        sine = np.linalg.norm(np.cross(coordinates[1] - coordinates[0], across))
         if not sine > PARALLEL * away[0] * np.linalg.norm(across):
             raise ModelError("`y` of a curve is zero or parallel to its first direction: give a vector across it.")
-    reached, values = _sampled(given, np.concatenate([[0], np.cumsum(away)]), across)
-    made = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
-    length = float(np.asarray(curve_length(np.linalg.norm(given[-1] - given[0]), made)))
-    chord = given[-1] - given[0]
-    middle = np.asarray(to_middle(made, chord, length, across))
-    at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - given[0]
+    reached, values = _sampled(coordinates, np.concatenate([[0], np.cumsum(away)]), across)
+    curve = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
+    length = float(np.asarray(curve_length(np.linalg.norm(coordinates[-1] - coordinates[0]), curve)))
+    chord = coordinates[-1] - coordinates[0]
+    middle = np.asarray(to_middle(curve, chord, length, across))
+    at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - coordinates[0]
     if not np.linalg.norm(middle - at_middle) <= SAME_LINE * length:
         raise ModelError("A curve through points bends too sharply for one beam: use several beams.")
-    return CurvedLine(made.coefficients, at_middle, chord)
+    return CurvedLine(curve.coefficients, at_middle, chord)
 
 
 def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -167,13 +176,13 @@ def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np
         across = np.asarray(frame)
         d = across.T @ tangents[0]
         across = across @ np.asarray(rotation_matrix(_least_turn(jnp.asarray(d))))[:, 1]
-        found, line = [across], spline(s)
+        frames, line = [across], spline(s)
         for i in range(FINE):
             v = line[i + 1] - line[i]
-            back, turned = (one - 2 / (v @ v) * (v @ one) * v for one in (found[-1], tangents[i]))
+            back, turned = (vector - 2 / (v @ v) * (v @ vector) * v for vector in (frames[-1], tangents[i]))
             w = tangents[i + 1] - turned
-            found.append(back - (2 / (w @ w) * (w @ back) * w if w @ w > 0 else 0.0))
-        ys = np.array(found)
+            frames.append(back - (2 / (w @ w) * (w @ back) * w if w @ w > 0 else 0.0))
+        ys = np.array(frames)
         change = (second - tangents * np.sum(second * tangents, axis=1)[:, None]) / speed[:, None] ** 2
         about_z, about_y = np.sum(change * ys, axis=1), -np.sum(change * np.cross(tangents, ys), axis=1)
         bends = np.stack([np.zeros_like(about_y), about_y, about_z], axis=1)
@@ -206,7 +215,7 @@ def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
     Source: THEORY.md 2, eq. (2.43); Newton's method on the length.
 
     Args:
-        steps: Number of steps of a beam in space, see :func:`steps_of`.
+        steps: Number of steps of a beam in space, see :func:`pose_steps`.
     """
     if curvature is None:
         return chord
@@ -230,7 +239,7 @@ def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
     return length
 
 
-def beam_length(chord: Any, curvature: Any, steps: int | None = None) -> Any:
+def curved_length(chord: Any, curvature: Any, steps: int | None = None) -> Any:
     """Return the length of a beam from its chord, in space with its number of steps, () [m]."""
     if isinstance(curvature, CurvedLine) and (curvature.coefficients.ndim == 1) is not (steps is None):
         raise ModelError("the curvature has one number per place in the plane, three in space")
@@ -305,7 +314,7 @@ def _end(coefficients: Any, length: Any, steps: int = 8) -> Float[Array, "d"]:
     return length * jnp.stack([weights @ jnp.cos(angles), weights @ jnp.sin(angles)])
 
 
-def steps_of(order: int) -> int:
+def pose_steps(order: int) -> int:
     """Return the number of steps along a beam in space; each step is one exponential of the pose."""
     # The ends of the steps are the nodes for the mass: fewer steps would integrate it less accurately. Constant strains
     # have exact poses for any number of steps; six steps integrate the mass of an arc of 3 rad to 1e-10.

@@ -13,7 +13,7 @@ from typing import Any
 import jax.core
 import numpy as np
 
-from ..arguments import as_whole, shown
+from ..arguments import as_whole, short_repr
 from .element_text import help_of, repr_of
 from .nodes import STATIC, NodeKind
 
@@ -147,25 +147,25 @@ class Element:
             ValueError: A value is out of range.
         """
         kinds = _options(self)
-        given = dict(zip(kinds, values, strict=False))
-        unknown = [name for name in options if name not in kinds or name in given]
+        positional = dict(zip(kinds, values, strict=False))
+        unknown = [name for name in options if name not in kinds or name in positional]
         if len(values) > len(kinds) or unknown:
             wrong = f"`{unknown[0]}` is unknown or given twice" if unknown else f"there are not {len(values)} of them"
             raise TypeError(f"Options of {self.name} are: {', '.join(kinds) or 'none'}; {wrong}.")
-        found = self.options
-        for name, value in (given | options).items():
+        current = self.options
+        for name, value in (positional | options).items():
             kind = kinds[name][0]
-            if wanted := wanted_option(value, kind):
-                raise TypeError(f"Option `{name}` of {self.name} must be {wanted}, not {shown(value)}.")
-            found[name] = kind(value) if kind in (bool, int, float) else value
+            if expected := wanted_option(value, kind):
+                raise TypeError(f"Option `{name}` of {self.name} must be {expected}, not {short_repr(value)}.")
+            current[name] = kind(value) if kind in (bool, int, float) else value
         # Equal values of different types, such as 1 and True, select different code.
-        typed = {name: (type(value), value) for name, value in sorted(found.items())}
+        typed = {name: (type(value), value) for name, value in sorted(current.items())}
         usual = {name: (type(value), value) for name, (_, value) in kinds.items()}
-        chosen = tuple((name, *own) for name, own in typed.items() if own != usual[name])
-        made = self if chosen == self.chosen else _with(self.usual, chosen)
+        chosen = tuple((name, *typed_value) for name, typed_value in typed.items() if typed_value != usual[name])
+        adapted = self if chosen == self.chosen else _with(self.usual, chosen)
         # A value out of range raises here.
-        _ = made.fields
-        return made
+        _ = adapted.fields
+        return adapted
 
     @property
     def options(self) -> dict[str, Any]:
@@ -244,12 +244,12 @@ class Element:
     @property
     def properties(self) -> dict[str, inspect.Parameter]:
         """Properties in the signatures of the deformation and the companions."""
-        found: dict[str, inspect.Parameter] = {}
+        parameters: dict[str, inspect.Parameter] = {}
         for function in self._functions():
             for name, parameter in self.wanted(function).items():
-                if name not in found or found[name].default is EMPTY:
-                    found[name] = parameter
-        return found
+                if name not in parameters or parameters[name].default is EMPTY:
+                    parameters[name] = parameter
+        return parameters
 
     def hint(self, name: str) -> Any:
         """Annotation of a property, or None without annotation.
@@ -282,8 +282,8 @@ class Element:
         """
         if self.thermal is None or self.arguments(self.thermal, properties) is None:
             return False
-        wanted = [properties.get(name) for name in ("alpha", "section") if name in self.wanted(self.thermal)]
-        return not wanted or any(one is not None and getattr(one, "expands", True) for one in wanted)
+        values = [properties.get(name) for name in ("alpha", "section") if name in self.wanted(self.thermal)]
+        return not values or any(value is not None and getattr(value, "expands", True) for value in values)
 
     def is_elastic(self, properties: dict[str, Any]) -> bool:
         """Whether deformations cause stress at rest.
@@ -309,13 +309,13 @@ class Element:
         Args:
             properties: All properties of the element.
         """
-        wanted = self.wanted(self.deformation)
-        return {name: value for name, value in properties.items() if name in wanted}
+        parameters = self.wanted(self.deformation)
+        return {name: value for name, value in properties.items() if name in parameters}
 
     def alone(self) -> "Element":
         """The deformation without companions, with its own options alone."""
-        own = self._named_options(self.deformation)
-        return Element(self.deformation, chosen=tuple((name, type(v), v) for name, v in sorted(own.items())))
+        options = self._named_options(self.deformation)
+        return Element(self.deformation, chosen=tuple((name, type(v), v) for name, v in sorted(options.items())))
 
     def _named_options(self, function: Callable[..., Any]) -> dict[str, Any]:
         return {name: value for name, value in self.options.items() if name in _keywords(function)}
@@ -342,7 +342,7 @@ class Element:
         Args:
             companion: The function.
         """
-        return _wanted(self, companion)
+        return _parameters_of(self, companion)
 
     def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict[str, Any] | None:
         """Properties and options in the signature of a companion, or None if the properties rule out the companion.
@@ -353,10 +353,10 @@ class Element:
         """
         if companion is None:
             return None
-        wanted = self.wanted(companion)
-        chosen = {name: properties[name] for name in wanted if name in properties}
+        parameters = self.wanted(companion)
+        chosen = {name: properties[name] for name in parameters if name in properties}
         required = companion is not self.deformation and companion is not self.check
-        if required and any(value is None for name, value in chosen.items() if wanted[name].default is not None):
+        if required and any(value is None for name, value in chosen.items() if parameters[name].default is not None):
             return None
         return chosen | self._named_options(companion)
 
@@ -364,8 +364,8 @@ class Element:
 class _Text:
     """Docstring of the class and of each element type, for help()."""
 
-    def __init__(self, own: str | None):
-        self.own = own
+    def __init__(self, text: str | None):
+        self.own = text
 
     def __get__(self, element: Element | None, owner: type) -> str | None:
         return self.own if element is None else help_of(element)
@@ -382,14 +382,14 @@ def _with(usual: Element, chosen: tuple[tuple[str, type, Any], ...]) -> Element:
 @functools.cache
 def _options(element: Element) -> dict[str, tuple[Any, Any]]:
     """Kind and default of each keyword-only parameter annotated ``Static``, in order of appearance."""
-    found: dict[str, tuple[Any, Any]] = {}
+    options: dict[str, tuple[Any, Any]] = {}
     for function in element._functions():
         for name, parameter in _keywords(function).items():
             hint = _hints(function).get(name)
-            if STATIC in getattr(hint, "__metadata__", ()) and found.get(name, (None, EMPTY))[1] is EMPTY:
-                found[name] = typing.get_args(hint)[0], parameter.default
+            if STATIC in getattr(hint, "__metadata__", ()) and options.get(name, (None, EMPTY))[1] is EMPTY:
+                options[name] = typing.get_args(hint)[0], parameter.default
     # An element type of the deformation alone has chosen options whose annotations the companions had.
-    return {name: (kind, EMPTY) for name, kind, _ in element.chosen} | found
+    return {name: (kind, EMPTY) for name, kind, _ in element.chosen} | options
 
 
 @functools.cache
@@ -399,14 +399,14 @@ def _deformation_names(element: Element) -> dict[int, str]:
 
 
 @functools.cache
-def _wanted(element: Element, function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
+def _parameters_of(element: Element, function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
     """Properties in the signature of a function, and of the options to which it passes ``**properties``."""
     known = element.option_names
-    found = {name: p for name, p in _keywords(function).items() if name not in known}
+    parameters = {name: p for name, p in _keywords(function).items() if name not in known}
     if any(p.kind is p.VAR_KEYWORD for p in inspect.signature(function).parameters.values()):
         for option in element._named_options(function).values():
-            found |= _keywords(option) if callable(option) else {}
-    return found
+            parameters |= _keywords(option) if callable(option) else {}
+    return parameters
 
 
 def wanted_option(value: Any, kind: Any) -> str:
@@ -417,8 +417,8 @@ def wanted_option(value: Any, kind: Any) -> str:
     if origin is typing.Literal:
         return "" if value in within else f"one of {', '.join(map(repr, within))}"
     if origin in (types.UnionType, typing.Union):
-        wanted = [wanted_option(value, one) for one in within]
-        return "" if "" in wanted else " or ".join(wanted)
+        expected = [wanted_option(value, alternative) for alternative in within]
+        return "" if "" in expected else " or ".join(expected)
     base = origin or kind
     kinds = ALIKE.get(kind, base if inspect.isclass(base) else object)
     if as_whole(value) is None if kind is int else not isinstance(value, kinds):

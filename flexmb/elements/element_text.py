@@ -27,13 +27,13 @@ def help_of(element: Any) -> str:
     lines += [f"Deformations: {names}."] if (names := deformations_of(element)) else []
     lines += [f"Takes: {', '.join(element.properties)}."] if element.properties else []
     lines += [f"Options: {options}."] if (options := _options(element)) else []
-    return f"{_name(element)}: {_said(element)[1]}\n\n" + "\n".join(lines)
+    return f"{_name(element)}: {_name_and_text(element)[1]}\n\n" + "\n".join(lines)
 
 
 def deformations_of(element: Any, *without: int) -> str:
     """Numbers and names of an element's deformations, except some; empty without names."""
-    found = [(numbers, name) for name, numbers in element.numbered.items() if not {*numbers} & {*without}]
-    return ", ".join(f"{n[0]} to {n[-1]} {name}" if len(n) > 1 else f"{n[0]} {name}" for n, name in found)
+    entries = [(numbers, name) for name, numbers in element.numbered.items() if not {*numbers} & {*without}]
+    return ", ".join(f"{n[0]} to {n[-1]} {name}" if len(n) > 1 else f"{n[0]} {name}" for n, name in entries)
 
 
 def _joined(element: Any) -> list[str]:
@@ -62,22 +62,22 @@ def _word(value: Any) -> str:
 
 def _name(element: Any) -> str:
     """Public name, such as planar.beam."""
-    name, _ = _said(element)
+    name, _ = _name_and_text(element)
     room = "planar" if next(iter(element.nodes.values())).dimension == 2 else "spatial"
     public = sys.modules.get(f"{__package__}.{room}")
-    return f"{room}.{name}" if _same(getattr(public, name, None), element) else name
+    return f"{room}.{name}" if _same_type(getattr(public, name, None), element) else name
 
 
-def _same(found: Any, element: Any) -> bool:
-    return isinstance(found, type(element)) and found.usual == element.usual
+def _same_type(other: Any, element: Any) -> bool:
+    return isinstance(other, type(element)) and other.usual == element.usual
 
 
 @functools.cache
-def _said(element: Any) -> tuple[str, str]:
+def _name_and_text(element: Any) -> tuple[str, str]:
     """Name and docstring of an element type in the module that defines it, else of its deformation function."""
     module = sys.modules.get(element.deformation.__module__)
     for name, text in _texts(element.deformation.__module__).items():
-        if _same(getattr(module, name, None), element):
+        if _same_type(getattr(module, name, None), element):
             return name, text
     return element.name, inspect.getdoc(element.deformation) or "an element type."
 
@@ -89,10 +89,14 @@ def _texts(module: str) -> dict[str, str]:
         body = ast.parse(inspect.getsource(sys.modules[module])).body
     except (KeyError, OSError, TypeError):
         return {}
-    found = {}
-    for first, then in itertools.pairwise(body):
+    texts = {}
+    for first, following in itertools.pairwise(body):
         target = first.targets[0] if isinstance(first, ast.Assign) else None
-        text = then.value.value if isinstance(then, ast.Expr) and isinstance(then.value, ast.Constant) else None
+        text = (
+            following.value.value
+            if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
+            else None
+        )
         if isinstance(target, ast.Name) and isinstance(text, str):
-            found[target.id] = inspect.cleandoc(text)
-    return found
+            texts[target.id] = inspect.cleandoc(text)
+    return texts

@@ -58,14 +58,14 @@ class General(Section):
 
     def __post_init__(self):
         # JAX also creates records, with matrices instead of sequences.
-        given: Any = self.stiffness
-        if isinstance(given, list | tuple):
-            given = library_of(given).asarray(given, float)
-        if size := OF_TRIANGLE.get(np.shape(given)[0] if np.ndim(given) == 1 else 0):
+        stiffness: Any = self.stiffness
+        if isinstance(stiffness, list | tuple):
+            stiffness = library_of(stiffness).asarray(stiffness, float)
+        if size := OF_TRIANGLE.get(np.shape(stiffness)[0] if np.ndim(stiffness) == 1 else 0):
             places = np.zeros((size, size), int)
-            places[np.triu_indices(size)] = np.arange(len(given))
-            given = given[np.maximum(places, places.T)]
-        object.__setattr__(self, "stiffness", given)
+            places[np.triu_indices(size)] = np.arange(len(stiffness))
+            stiffness = stiffness[np.maximum(places, places.T)]
+        object.__setattr__(self, "stiffness", stiffness)
 
     def rigidity(self) -> Rigidity:
         """Raise an error: rigidities cannot describe coupled strains.
@@ -124,25 +124,25 @@ class General(Section):
             THEORY.md 2, eq. (2.64).
         """
         mass, y, z, jx, jy, jz, jyz = (
-            jnp.asarray(one, float)
-            for one in (self.mass, self.center_y, self.center_z, self.Jx, self.Jy, self.Jz, self.Jyz)
+            jnp.asarray(number, float)
+            for number in (self.mass, self.center_y, self.center_z, self.Jx, self.Jy, self.Jz, self.Jyz)
         )
         center = jnp.stack([jnp.zeros(()), y, z])
-        own = jnp.diag(jnp.stack([jy + jz - jx, jx - jy + jz, jx + jy - jz]) / 2).at[[1, 2], [2, 1]].set(-jyz)
-        return mass, mass * center, own + mass * jnp.outer(center, center)
+        about_center = jnp.diag(jnp.stack([jy + jz - jx, jx - jy + jz, jx + jy - jz]) / 2).at[[1, 2], [2, 1]].set(-jyz)
+        return mass, mass * center, about_center + mass * jnp.outer(center, center)
 
     def faults(self) -> list[str]:
         """Return faults: wrong size, no symmetry, not positive definite; negative mass, inertia or damping."""
         numbers = {name: getattr(self, name) for name in ("mass", "Jx", "Jy", "Jz", "Jyz")}
-        found = faults_of(Rigidity(**numbers), at_least_zero=("EA", "EIy", "EIz", "GIt", *RIGIDITIES, *numbers))
+        faults = faults_of(Rigidity(**numbers), at_least_zero=("EA", "EIy", "EIz", "GIt", *RIGIDITIES, *numbers))
         if self.damping is not None and not holds(as_known(self.damping) >= 0):
-            found.append(f"damping = {self.damping}, but it cannot be negative")
+            faults.append(f"damping = {self.damping}, but it cannot be negative")
         stiff: Any = as_known(self.stiffness)
         size = np.shape(stiff)[-1] if np.ndim(stiff) > 1 else 0
         if size not in STRAINS or np.shape(stiff)[-2] != size:
             shape = np.shape(stiff)
-            return [*found, f"stiffness of shape {shape}, but it must be (6, 6), (4, 4), (21,) or (10,)"]
-        return found + _faults_of_stiffness(stiff, STRAINS[size])
+            return [*faults, f"stiffness of shape {shape}, but it must be (6, 6), (4, 4), (21,) or (10,)"]
+        return faults + _faults_of_stiffness(stiff, STRAINS[size])
 
 
 # Other rigidities of a Rigidity; they are zero here.

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_floats, holds
-from ..math.rotation import counted, initial_frame, polar_angle, relative_turn, turned
+from ..math.rotation import initial_frame, nearest_turn, polar_angle, relative_turn, turned
 from . import beams
 from .element import Element
 from .nodes import Point3, Reference, Rotation3
@@ -44,7 +44,7 @@ def turn_and_tilt(
     # Euler parameters across the axis rotate by half the turn.
     direction = half / jnp.sqrt(half @ half)
     tilts = (direction[:, None] * across).reshape(4) @ TURNED_TWICE
-    return jnp.append(counted(2 * polar_angle(half), near, 4 * jnp.pi), tilts)
+    return jnp.append(nearest_turn(2 * polar_angle(half), near, 4 * jnp.pi), tilts)
 
 
 def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:

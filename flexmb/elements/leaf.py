@@ -73,23 +73,23 @@ class Strip(Section):
 
     def rigidity(self) -> Rigidity:
         """Return rigidities, at most as large as the rigidities of the rectangle. The shear rigidity is equal."""
-        found, nu = self.rectangle.rigidity(), self.rectangle.material.poisson()
+        rigidity, nu = self.rectangle.rigidity(), self.rectangle.material.poisson()
         thick = 1 + OF_THICK * (self.rectangle.thickness / self.rectangle.width) ** 2
-        found = dataclasses.replace(found, EIw=found.EIw / thick)
+        rigidity = dataclasses.replace(rigidity, EIw=rigidity.EIw / thick)
         if self.slope is None:
-            return found
+            return rigidity
         square = self.slope**2
         # Sideways bending and shear are coupled, see Leaf._slanting.
-        coupled = 1 - square * found.shear_y / (4 * self.rectangle.width**2)
+        coupled = 1 - square * rigidity.shear_y / (4 * self.rectangle.width**2)
         sideways, across = (1 + IN_PLANE * square) * coupled, 1 + nu / (6 * (1 + nu)) * square
         return dataclasses.replace(
-            found,
-            EA=found.EA / (1 + square / 6),
-            GIt=found.GIt / (1 + square / 6),
-            EIy=found.EIy / across,
-            EIz=found.EIz / sideways,
-            shear_y=found.shear_y / sideways * coupled,
-            shear_z=found.shear_z / across,
+            rigidity,
+            EA=rigidity.EA / (1 + square / 6),
+            GIt=rigidity.GIt / (1 + square / 6),
+            EIy=rigidity.EIy / across,
+            EIz=rigidity.EIz / sideways,
+            shear_y=rigidity.shear_y / sideways * coupled,
+            shear_z=rigidity.shear_z / across,
         )
 
 
@@ -110,8 +110,8 @@ class Sheared(Section):
 
     def rectangle(self, place: Scalar, length: Any) -> Rectangle:
         """Return the rectangle at a place, with shear."""
-        found: Any = self.section.at(place, length)
-        return dataclasses.replace(found, shear=True)
+        rectangle: Any = self.section.at(place, length)
+        return dataclasses.replace(rectangle, shear=True)
 
     def at(self, place: Scalar, length: Any) -> Strip:
         """Return the section at a place, () [-]."""
@@ -203,9 +203,9 @@ class Leaf(Sheared):
     def relative(self, places: Any, length: Any, names: Sequence[str]) -> Float[Array, "n names"]:
         """Return compliances at places over the mean compliances without clamps."""
         cut = self._flat(places, *self.kept(length))
-        own = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
+        flat_share = jnp.stack([cut[KEPT.index(n)] if n in KEPT else jnp.zeros_like(cut[0]) for n in names], axis=1)
         base = relative(self.plain(), places, length, names) if self.section.varies else 1.0
-        return base * (1 - own)
+        return base * (1 - flat_share)
 
     def _flat(
         self, places: Any, reaches: Float[Array, "kept 2"], shares: Float[Array, "kept 2"]
@@ -226,22 +226,22 @@ class Leaf(Sheared):
             bends: Curvature over the coefficient of thermal expansion, by the name of its rigidity, () [K/m].
             names: Rigidities of the fields, see :func:`flexmb.elements.spectral.rigidities`.
         """
-        whole = pieces_of(self, length)
+        pieces = pieces_of(self, length)
         nodes, weights = gauss(order + 2)
-        places, weights = whole.spread(nodes).ravel(), (whole.sizes[:, None] * weights).ravel()
+        places, weights = pieces.spread(nodes).ravel(), (pieces.sizes[:, None] * weights).ravel()
         reaches = self.kept(length)[0][:BREAKS]
         flat = self._flat(places, reaches, jnp.broadcast_to(self.clamped, reaches.shape))
         material = self.rectangle(0.5, length).material
         larger = {name: 1 + material.poisson() * flat[i] for i, name in enumerate(KEPT[:BREAKS])}
         free = {"EA": change[0] + (change[1] - change[0]) * places, **bends}
-        wanted = [
+        free_strains = [
             material.alpha * length * larger.get(n, 1.0) * free.get(n, 0.0) * jnp.ones_like(places) for n in names
         ]
         shapes, relative = strains(order, self, places, length, names), self.relative(places, length, names)
         stiff = rigidities(self, places, length, names) / relative
         weighted = (weights[:, None] * stiff)[:, :, None] * shapes
         matrix = jnp.einsum("nfj,nfk->fjk", weighted, shapes)
-        right = jnp.einsum("nfj,nf->fj", weighted, jnp.stack(wanted, axis=1))
+        right = jnp.einsum("nfj,nf->fj", weighted, jnp.stack(free_strains, axis=1))
         return jnp.linalg.solve(matrix, right[:, :, None]).ravel()
 
     def near(self, order: int, starts: Any, ends: Any, length: Any, names: Sequence[str], count: int):
@@ -251,19 +251,21 @@ class Leaf(Sheared):
             Places and weights at both ends, for the k strains of ``KEPT`` among ``names``, (k, 2, s, count). Strains,
             (k, 2, s, count, order). Shares by which clamps reduce the strains, (k, 2).
         """
-        kept = [name for name in KEPT if name in names]
-        reaches, less = (own[np.array([KEPT.index(name) for name in kept])] for own in self.kept(length))
+        kept_names = [name for name in KEPT if name in names]
+        reaches, less = (values[np.array([KEPT.index(name) for name in kept_names])] for values in self.kept(length))
         nodes, weights = gauss(count)
         first = jnp.stack(
-            [jnp.broadcast_to(starts, (len(kept), len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1
+            [jnp.broadcast_to(starts, (len(kept_names), len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1
         )
-        last = jnp.stack([jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (len(kept), len(starts)))], 1)
+        last = jnp.stack(
+            [jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (len(kept_names), len(starts)))], 1
+        )
         sizes = last - first
         places = first[..., None] + sizes[..., None] * nodes
         shapes = legendre_values_at(order, places)
         if self.section.varies:
             at = relative(self.plain(), places.reshape(-1), length, names)
-            at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept)])
+            at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept_names)])
             shapes = at[..., None] * shapes
         return places, sizes[..., None] * weights, shapes, less
 
@@ -276,9 +278,9 @@ class Leaf(Sheared):
         Source: THEORY.md 2, eq. (2.24).
         """
         layers = self.layers(length)
-        own, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
+        base, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
         fading = jnp.stack([_fading(at, layer)[0] for at, layer in zip((places, 1 - places), layers, strict=True)], 1)
-        return jnp.concatenate([own - fading @ ends, fading], axis=1)
+        return jnp.concatenate([base - fading @ ends, fading], axis=1)
 
     def twist_slopes(self, order: int, places: np.ndarray, length: Any) -> Float[Array, "n c"]:
         """Return the slopes of :meth:`twist` by the place, (n, order + 2) [-]."""
@@ -286,12 +288,12 @@ class Leaf(Sheared):
         if self.section.varies:
             at = jnp.asarray(places)
             shapes = partial(strains, order, self.plain(), length=length, names=("GIt",))
-            own = jax.jvp(shapes, (at,), (jnp.ones_like(at),))[1][:, 0]
+            base = jax.jvp(shapes, (at,), (jnp.ones_like(at),))[1][:, 0]
         else:
-            own = legendre_slopes(order, places)
+            base = legendre_slopes(order, places)
         ends = strains(order, self.plain(), ENDS, length, ("GIt",))[:, 0]
         fading = jnp.stack([_fading(places, first)[1], -_fading(1 - places, last)[1]], axis=1)
-        return jnp.concatenate([own - fading @ ends, fading], axis=1)
+        return jnp.concatenate([base - fading @ ends, fading], axis=1)
 
     def moments(self, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s g f c"]:
         """Return strains at the three Gauss nodes of each step that have the same moments over the step as the leaf.
@@ -309,7 +311,7 @@ class Leaf(Sheared):
         places = (starts[:, None] + steps[:, None] * nodes).ravel()
         back = legendre_values(3, gauss(3)[0]) * (2.0 * np.arange(3) + 1)
         tests = back @ (legendre_values(3, nodes) * weights[:, None]).T
-        own = strains(order, self.plain(), places, length, names).reshape(len(steps), count, fields, order)
+        base = strains(order, self.plain(), places, length, names).reshape(len(steps), count, fields, order)
         twist = self.twist(order, places, length).reshape(len(steps), count, order + 2)
         within, shares, shapes, less = self.near(order, starts, ends, length, names, count)
         shares = shares * less[:, :, None, None]
@@ -318,13 +320,13 @@ class Leaf(Sheared):
         cut = jnp.einsum("gj,feskj,fesko->fsgo", back, tested, shapes)
         placed = [names.index(name) for name in KEPT if name in names]
         plain = np.ones(fields) * (np.arange(fields) != turned)
-        found = jnp.einsum("gk,skfo,f->sgfo", tests, own, plain)
-        found = found - jnp.einsum("hsgo,hf->sgfo", cut, np.eye(fields)[placed])
+        averaged = jnp.einsum("gk,skfo,f->sgfo", tests, base, plain)
+        averaged = averaged - jnp.einsum("hsgo,hf->sgfo", cut, np.eye(fields)[placed])
         twist = jnp.einsum("gk,skc->sgc", tests, twist)
-        found = found + twist[:, :, None, :order] * np.eye(fields)[turned][:, None]
-        found = jnp.einsum("sgfo,fh->sgfho", found, np.eye(fields)).reshape(len(steps), 3, fields, fields * order)
+        averaged = averaged + twist[:, :, None, :order] * np.eye(fields)[turned][:, None]
+        averaged = jnp.einsum("sgfo,fh->sgfho", averaged, np.eye(fields)).reshape(len(steps), 3, fields, fields * order)
         warped = twist[:, :, None, order:] * np.eye(fields)[turned][:, None]
-        return jnp.concatenate([found, warped], axis=3)
+        return jnp.concatenate([averaged, warped], axis=3)
 
     def matrix(self, of: Any, order: int, length: Any, names: Sequence[str]) -> Array:
         """Return the stiffness or damping matrix between all coefficients, in space also the warping of both ends.
@@ -336,7 +338,7 @@ class Leaf(Sheared):
         damping: Any = of
         if elastic:
             of = self._strips(length)
-        found = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
+        matrix = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
         # Steps as of a spectral beam of order up to six: XLA then computes common expressions once.
         steps = np.diff(lobatto(STEPS + 1)[0])
         ends = np.cumsum(steps)
@@ -344,22 +346,24 @@ class Leaf(Sheared):
         places, shares, shapes, less = self.near(order, starts, ends, length, names, max(DENSE, order // 2 + 3))
         # Strains are 1 - less times as large there. The stiffness is R/(1 - less), the damping is not increased.
         shares = shares * (less if elastic else less * (2 - less))[:, :, None, None]
-        kept = [name for name in KEPT if name in names]
-        placed = np.eye(fields)[[names.index(name) for name in kept]]
+        kept_names = [name for name in KEPT if name in names]
+        placed = np.eye(fields)[[names.index(name) for name in kept_names]]
         if elastic and self.section.varies:
-            stiff = rigidities(of, places.reshape(-1), length, kept).reshape(*places.shape, len(kept))
-            stiff = jnp.stack([stiff[i, ..., i] for i in range(len(kept))])
+            stiff = rigidities(of, places.reshape(-1), length, kept_names).reshape(*places.shape, len(kept_names))
+            stiff = jnp.stack([stiff[i, ..., i] for i in range(len(kept_names))])
         else:
             constant = of.rigidity() if isinstance(of, Section) else of
-            stiff = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in kept])[:, None, None, None]
+            stiff = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in kept_names])[
+                :, None, None, None
+            ]
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
-        found = found - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
+        matrix = matrix - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
         if elastic and self.section.varies and "EIz" in names:
-            found = found + self._slanting(order, length, names)
+            matrix = matrix + self._slanting(order, length, names)
         if "GIt" not in names:
-            return found.reshape(fields * order, fields * order) + self._curved(elastic, order, length, names)
+            return matrix.reshape(fields * order, fields * order) + self._curved(elastic, order, length, names)
         turned = np.eye(fields)[names.index("GIt")]
-        found = found * (1 - turned[:, None, None, None] * turned[:, None])
+        matrix = matrix * (1 - turned[:, None, None, None] * turned[:, None])
         nodes, weights = gauss(DENSE)
         places = (starts[:, None] + steps[:, None] * nodes).ravel()
         weights = (steps[:, None] * weights).ravel()
@@ -368,12 +372,12 @@ class Leaf(Sheared):
             torsion, warping = rigidities(of, jnp.asarray(places), length, ("GIt", "EIw")).T
         else:
             torsion, warping = jnp.asarray(damping.GIt, float), 0.0
-        own = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
-        own = own + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
+        torsional = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
+        torsional = torsional + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
         spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
         spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
-        found = jnp.pad(found.reshape(fields * order, fields * order), (0, 2)) + spread.T @ own @ spread
-        return found + self._curved(elastic, order, length, names)
+        matrix = jnp.pad(matrix.reshape(fields * order, fields * order), (0, 2)) + spread.T @ torsional @ spread
+        return matrix + self._curved(elastic, order, length, names)
 
     def _slanting(self, order: int, length: Any, names: Sequence[str]) -> Float[Array, "f o f o"]:
         """Matrix between bending sideways and shear where the width varies. Source: THEORY.md 2, eq. (2.46)."""
@@ -382,9 +386,11 @@ class Leaf(Sheared):
         rectangles, slopes = jax.vmap(lambda place: self.slanted(place, length))(places)
         stiff = rigidities(self.plain(), places, length, pair)[:, 0] * slopes / (2 * rectangles.width * length)
         bent, sheared = jnp.moveaxis(strains(order, self.plain(), places, length, pair), 1, 0)
-        own = jnp.einsum("n,nj,nk->jk", -weights * stiff, bent, sheared)
-        one, other = (np.eye(len(names))[names.index(name)] for name in pair)
-        return jnp.einsum("jk,f,g->fjgk", own, one, other) + jnp.einsum("jk,f,g->gkfj", own, one, other)
+        coupling = jnp.einsum("n,nj,nk->jk", -weights * stiff, bent, sheared)
+        bending, shearing = (np.eye(len(names))[names.index(name)] for name in pair)
+        return jnp.einsum("jk,f,g->fjgk", coupling, bending, shearing) + jnp.einsum(
+            "jk,f,g->gkfj", coupling, bending, shearing
+        )
 
     def _curved(self, elastic: bool, order: int, length: Any, names: Sequence[str]) -> Any:
         """Matrix that initial curvature and twist add to the elastic matrix. Source: THEORY.md 2, eq. (2.44)."""
@@ -395,28 +401,28 @@ class Leaf(Sheared):
         wide, thick, nu, stiff, bending = self._numbers(places, length)
         twisted, curved = self.initial_at(places)
         fourth = 3 * (1 - nu**2) * (curved * wide**2 / thick) ** 2
-        own = jnp.einsum(
+        matrix = jnp.einsum(
             "n,na,nb->ab", weights * free * bending * nu**2 / (1 - nu**2) * (1 - curving(fourth)), bent, bent
         )
         if rate is not None:
             softer = self.distorted(places, length) * stiff * wide**2 / 12 * (distorting(fourth) - 1)
-            own = own + jnp.einsum("n,na,nb->ab", weights * softer, sideways, sideways)
+            matrix = matrix + jnp.einsum("n,na,nb->ab", weights * softer, sideways, sideways)
             drawn = stiff * wide**2 * twisted
-            both = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
+            coupling = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
             keeps = relaxing(fourth)
             pulled = bending * nu / (1 - nu**2) * fourth * keeps / 180 * curved / (curved**2 + TINY) * 2 * twisted
-            both = both + jnp.einsum("n,na,nb->ab", weights * pulled, bent, rate)
-            own = own + both + both.T
+            coupling = coupling + jnp.einsum("n,na,nb->ab", weights * pulled, bent, rate)
+            matrix = matrix + coupling + coupling.T
             drawn = drawn * wide**2 * twisted * (1 / 144 + keeps / 180)
-            own = own + jnp.einsum("n,na,nb->ab", weights * drawn, rate, rate)
-        return own * length
+            matrix = matrix + jnp.einsum("n,na,nb->ab", weights * drawn, rate, rate)
+        return matrix * length
 
     def initial_at(self, places: Any) -> tuple[Any, Any]:
         """Return initial twist and curvature about the soft axis at places, (n,) and (n,) [1/m]; zero if straight."""
         if self.initial is None:
             return 0.0, 0.0
-        found = curvature_at(self.initial, places)
-        return (0.0, found) if found.ndim == 1 else (found[:, 0], found[:, 1])
+        curvature = curvature_at(self.initial, places)
+        return (0.0, curvature) if curvature.ndim == 1 else (curvature[:, 0], curvature[:, 1])
 
     def _parts(self, length: Any) -> tuple[Float[Array, "n"], Float[Array, "n"], Float[Array, "n"]]:
         """Places and weights near both ends and between them; 0 where a clamp keeps the section flat, else 1."""
@@ -439,17 +445,17 @@ class Leaf(Sheared):
         self, order: int, places: Float[Array, "n"], length: Any, names: Sequence[str]
     ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Any, Any]:
         """Elongation, curvature, in space also sideways curvature and twist at places, by each coefficient, (n, c)."""
-        kept = [name for name in KEPT[:BREAKS] if name in names]
-        reaches, shares = (own[: len(kept)] for own in self.kept(length))
-        own = strains(order, self.plain(), places, length, kept)
-        own = own * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
-        whole = len(names) * order + (2 if "GIt" in names else 0)
-        rows = [np.eye(whole)[names.index(name) * order :][:order] for name in kept]
-        stretch, bent, *others = (own[:, i] @ rows[i] for i in range(len(kept)))
+        kept_names = [name for name in KEPT[:BREAKS] if name in names]
+        reaches, shares = (values[: len(kept_names)] for values in self.kept(length))
+        values = strains(order, self.plain(), places, length, kept_names)
+        values = values * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
+        count = len(names) * order + (2 if "GIt" in names else 0)
+        rows = [np.eye(count)[names.index(name) * order :][:order] for name in kept_names]
+        stretch, bent, *others = (values[:, i] @ rows[i] for i in range(len(kept_names)))
         rate = None
         if "GIt" in names:
             at = names.index("GIt") * order
-            turned = np.concatenate([np.eye(whole)[at : at + order], np.eye(whole)[-2:]])
+            turned = np.concatenate([np.eye(count)[at : at + order], np.eye(count)[-2:]])
             rate = self.twist(order, places, length) @ turned / length
         return stretch, bent, others[0] if others else None, rate
 
@@ -480,13 +486,13 @@ class Leaf(Sheared):
         flatter = bending * fourth * keeps / 180
         # The matrix contains the quadratic part.
         first = 0.0 if initial is None else bending * initial * kept / 180
-        found = 0.5 * length * (weights * free) @ (nu * (flatter - first) * bent**2)
+        energy = 0.5 * length * (weights * free) @ (nu * (flatter - first) * bent**2)
         if rates is None:
-            return found
+            return energy
         # Distortion of the cross-section in sideways bending.
         softer = distorting(fourth) - (1 if initial is None else distorting(initial))
         softer = softer * self.distorted(places, length) * stiff * wide**2 / 12
-        found = found + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
+        energy = energy + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
         rate = rates @ c
         longer, before = rate * (2 * twisted + rate), 2 * twisted * rate
         drawn = stiff * (stretch * rate**2 / 24 + wide**2 * (longer**2 - before**2) / 1152) * wide**2
@@ -494,24 +500,24 @@ class Leaf(Sheared):
         pulled = flatter * longer
         if initial is not None:
             pulled = pulled * share_of_change(bent, curved) - first * share_at_rest(bent, curved) * before
-        return found + length * weights @ (drawn + pulled)
+        return energy + length * weights @ (drawn + pulled)
 
     def _numbers(self, places: Float[Array, "n"], length: Float[Array, ""]):
         """Width, thickness, Poisson's ratio, EA and EIy; at each place if the section varies."""
 
         def numbers(place: Scalar):
             rectangle = self.rectangle(place, length)
-            found = rectangle.rigidity()
-            of = rectangle.width, rectangle.thickness, rectangle.material.poisson(), found.EA, found.EIy
-            return tuple(jnp.asarray(one, float) for one in of)
+            rigidity = rectangle.rigidity()
+            values = rectangle.width, rectangle.thickness, rectangle.material.poisson(), rigidity.EA, rigidity.EIy
+            return tuple(jnp.asarray(value, float) for value in values)
 
         return jax.vmap(numbers)(places) if self.section.varies else numbers(0.0)
 
 
 def share_of_change(change: Any, initial: Any) -> Any:
     """Return the change of a curvature over the whole curvature; zero if the whole curvature is zero."""
-    whole = initial + change
-    return change * whole / (whole**2 + TINY)
+    total = initial + change
+    return change * total / (total**2 + TINY)
 
 
 def share_at_rest(change: Any, initial: Any) -> Any:
@@ -534,8 +540,8 @@ def flags_and_distances(clamped: Any) -> tuple[Any, Any]:
 
 def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
     """Function h with layer^2 h'' = h, h(0) = 1 and h(1) = 0, and its slope."""
-    near, back, whole = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
-    return (near - back) / whole, -(near + back) / (whole * layer)
+    decaying, back, scale = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
+    return (decaying - back) / scale, -(decaying + back) / (scale * layer)
 
 
 @pointwise

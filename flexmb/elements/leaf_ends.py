@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds
 from ..compilation.record import Record
 from ..math.quadrature import gauss, legendre_values, legendre_values_at
-from .roots import STRETCHED, bent_spread, spread
+from .roots import STRETCHED, bent_spread, spreading_length
 from .sections import Rectangle
 from .spectral import relative, rigidities
 
@@ -119,14 +119,16 @@ def skew_compliance(angle: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
     odd = jnp.stack([slope, slope * square, slope * square**2])
     powers = jnp.stack([odd, slope * odd], axis=1).reshape(6)
     by_nu = COEFFICIENTS[:, 0] + change * COEFFICIENTS[:, 1] + change**2 * COEFFICIENTS[:, 2]
-    return _placed(SKEW, by_nu @ powers, rectangle)
+    return _matrix_of_terms(SKEW, by_nu @ powers, rectangle)
 
 
-def _placed(terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectangle: Rectangle) -> Float[Array, "6 6"]:
+def _matrix_of_terms(
+    terms: dict[tuple[int, int], tuple[Any, ...]], numbers: Any, rectangle: Rectangle
+) -> Float[Array, "6 6"]:
     """Symmetric matrix whose entries are numbers, (terms,), times the unit w^n/rigidity of each term."""
-    of, width = rectangle.rigidity(), rectangle.width
+    rigidity, width = rectangle.rigidity(), rectangle.width
     kinds = list(dict.fromkeys(row[:2] for row in terms.values()))
-    units = jnp.stack([jnp.asarray(width**power / getattr(of, kind), float) for power, kind in kinds])
+    units = jnp.stack([jnp.asarray(width**power / getattr(rigidity, kind), float) for power, kind in kinds])
     spots = np.zeros((len(terms), 6, 6))
     for k, (i, j) in enumerate(terms):
         spots[k, i, j] = spots[k, j, i] = 1.0
@@ -148,13 +150,13 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
     Source:
         THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, for narrow/wide from 0.2 and nu from 0.2 to 0.4.
     """
-    of, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
+    rigidity, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
     a = w / width
-    stretched, sideways = STRETCHED * spread(a), bent_spread(a)
-    bent = (1 + nu) / (3 + nu) * spread(a)
+    stretched, sideways = STRETCHED * spreading_length(a), bent_spread(a)
+    bent = (1 + nu) / (3 + nu) * spreading_length(a)
     # Parts that share their warping are stiffer than parts that warp freely, to which the fit refers.
-    shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(of.EIw / of.GIt) / w
-    twisted = 0.985 * 2 / (3 + nu) * spread(a) + jnp.where(a < 1, shared, 0.0)
+    shared = (1 - a) ** 2 / (1 + a**2) * jnp.sqrt(rigidity.EIw / rigidity.GIt) / w
+    twisted = 0.985 * 2 / (3 + nu) * spreading_length(a) + jnp.where(a < 1, shared, 0.0)
     inside = 0.142 + 0.095 / a
     in_width = [
         stretched,
@@ -169,17 +171,17 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
     # A load that spreads through the thickness causes no strain along the width: plane strain.
     b = rectangle.thickness / thickness
     root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float) / w
-    in_thickness = root * jnp.stack([STRETCHED * spread(b), bent_spread(b)])
+    in_thickness = root * jnp.stack([STRETCHED * spreading_length(b), bent_spread(b)])
     numbers = jnp.stack([jnp.asarray(number, float) for number in in_width])
-    return _placed(STEP, numbers + THICKNESS @ in_thickness, rectangle)
+    return _matrix_of_terms(STEP, numbers + THICKNESS @ in_thickness, rectangle)
 
 
 def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
     """Return the compliance of an elastic root from six stiffnesses, or from three in the plane, (6, 6)."""
-    given = 1 / jnp.asarray(stiffness, float)
-    if given.shape[0] == 3:
-        return jnp.diag(jnp.abs(IN_PLANE.T) @ given)
-    return jnp.diag(given)
+    compliance = 1 / jnp.asarray(stiffness, float)
+    if compliance.shape[0] == 3:
+        return jnp.diag(jnp.abs(IN_PLANE.T) @ compliance)
+    return jnp.diag(compliance)
 
 
 def cuts(leaf: Any, length: Any) -> Any:
@@ -197,26 +199,26 @@ def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6
         Factor on the length of the zone, and the compliances of both ends. Steps come first, then roots. An absent
         kind has no entry.
     """
-    clamp, beside, found = leaf.ends.clamp, leaf.ends.beside, []
+    clamp, beside, parts = leaf.ends.clamp, leaf.ends.beside, []
     if beside is not None:
         turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
         steps = jax.vmap(lambda place, sizes: step_compliance(sizes[0], sizes[1], leaf.rectangle(place, length)))
-        found.append((1.0, turned * steps(ENDS, beside.T)))
+        parts.append((1.0, turned * steps(ENDS, beside.T)))
     if clamp is not None:
         roots = [jnp.zeros((6, 6)) if root is None else root_compliance(root) for root in clamp]
-        found.append((AT_ROOT, jnp.stack(roots)))
-    return found
+        parts.append((AT_ROOT, jnp.stack(roots)))
+    return parts
 
 
 def _rigidities(leaf: Any, length: Any, names: Sequence[str]) -> dict[str, Any]:
     """Resultant times length over coefficient, by the rigidity of each field; constant along the leaf spring."""
     section = leaf.plain()
-    found = rigidities(section if section.varies else leaf.rectangle(0.0, length), jnp.zeros(1), length, names)[0]
+    values = rigidities(section if section.varies else leaf.rectangle(0.0, length), jnp.zeros(1), length, names)[0]
     if section.varies:
-        found = found * relative(section, jnp.zeros(1), length, names)[0]
+        values = values * relative(section, jnp.zeros(1), length, names)[0]
     # In the plane a positive curvature bends to the left, opposite to the section's y axis.
     signs = {"EIy": 1.0 if "GIt" in names else -1.0}
-    return {name: signs.get(name, 1.0) * found[i] for i, name in enumerate(names)}
+    return {name: signs.get(name, 1.0) * values[i] for i, name in enumerate(names)}
 
 
 def _torque(layer: Any, order: int, places: Any) -> Float[Array, "n order"]:
@@ -277,8 +279,8 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
         return jnp.stack([rows[name].reshape(-1) for name in FIELDS])
 
     signs = np.array([1.0, -1.0])
-    found = jax.vmap(at_end)(ENDS, signs, signs[:, None] ** np.arange(order), layers)
-    return jnp.pad(found, ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
+    resultants = jax.vmap(at_end)(ENDS, signs, signs[:, None] ** np.arange(order), layers)
+    return jnp.pad(resultants, ((0, 0), (0, 0), (0, 2 if "GIt" in names else 0)))
 
 
 def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "2 6 c"] | None:
@@ -286,8 +288,8 @@ def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Arr
 
     Returns None without steps and roots.
     """
-    own = compliances(leaf, length)
-    moved = [matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in own]
+    end_compliances = compliances(leaf, length)
+    moved = [matrix @ end_resultants(leaf, order, length, names, share) for share, matrix in end_compliances]
     return sum(moved[1:], moved[0]) if moved else None
 
 
@@ -347,13 +349,13 @@ def _weights(near: Any, far: Any, mean: Any, turned: Any) -> Float[Array, "s 3"]
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:
     """Return the matrix that the ends add to the stiffness matrix of a leaf spring. Source: THEORY.md 2, eq. (2.47)."""
-    found, own = jnp.zeros(()), compliances(leaf, length)
+    total, own = jnp.zeros(()), compliances(leaf, length)
     if leaf.ends.skew is not None:
         own.append((1.0, cuts(leaf, length)))
     for share, matrix in own:
         resultants = end_resultants(leaf, order, length, names, share)
-        found = found + jnp.einsum("eic,eij,ejd->cd", resultants, matrix, resultants)
-    return found
+        total = total + jnp.einsum("eic,eij,ejd->cd", resultants, matrix, resultants)
+    return total
 
 
 def free_of_jumps(leaf: Any, order: int, length: Any, names: Sequence[str], free: Array, matrix: Array) -> Array:

@@ -17,8 +17,8 @@ from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
-from .spectral import check_curvature, check_shear, fields_after, numbers_of
-from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, nodes_of
+from .spectral import check_curvature, check_shear, fields_after, section_rigidities
+from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, gauss_nodes
 
 
 def _of_beam(section: Any, clamped: Any, order: int, shear: bool, curvature: Any, clamp: Any) -> dict[str, Any]:
@@ -43,8 +43,8 @@ def _leaf_spring(
     clamp: PlanarRoots | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients."""
-    own = _of_beam(section, clamped, order, shear, curvature, clamp)
-    return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **own)
+    options = _of_beam(section, clamped, order, shear, curvature, clamp)
+    return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **options)
 
 
 def _names(shear: bool) -> tuple[str, ...]:
@@ -57,10 +57,10 @@ def _fields(*, order, shear):
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
     length, names = _length(ref, leaf.initial), _names(shear)
-    found = leaf.matrix(of, order, length, names)
+    matrix = leaf.matrix(of, order, length, names)
     if of is None and leaf.ends is not None:
-        found = found + ends_matrix(leaf, order, length, names)
-    return jnp.pad(found, (CLOSURE, 0))
+        matrix = matrix + ends_matrix(leaf, order, length, names)
+    return jnp.pad(matrix, (CLOSURE, 0))
 
 
 def _stiffness(*, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
@@ -77,15 +77,15 @@ def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=Non
 
 
 def _inertia(*nodes: Array, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
-    own = _of_beam(section, clamped, order, shear, curvature, clamp)
-    return spectral_planar._inertia(*nodes, ref=ref, **own)
+    options = _of_beam(section, clamped, order, shear, curvature, clamp)
+    return spectral_planar._inertia(*nodes, ref=ref, **options)
 
 
 def _resultants(
     *nodes: Array, ref, place, sigma, section, order, shear, fall=None, clamped=None, curvature=None, clamp=None
 ):
-    own = _of_beam(section, clamped, order, shear, curvature, clamp)
-    return spectral_planar._resultants(*nodes, ref=ref, place=place, sigma=sigma, fall=fall, **own)
+    options = _of_beam(section, clamped, order, shear, curvature, clamp)
+    return spectral_planar._resultants(*nodes, ref=ref, place=place, sigma=sigma, fall=fall, **options)
 
 
 def _surface(e: Array, *, ref, place, resultants, section, clamped=None, curvature=None):
@@ -98,27 +98,27 @@ def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clam
     """Thermal elongation and curvature; the warmer side becomes longer."""
     length, bends = _length(ref, curvature), {"EIy": -gradient[0]}
     leaf, names = leaf_of(section, clamped, curvature, None, clamp), _names(shear)
-    found = leaf.thermal(change, bends, order, length, names)
+    coefficients = leaf.thermal(change, bends, order, length, names)
     if leaf.ends is not None:
         matrix = leaf.matrix(None, order, length, names) + ends_matrix(leaf, order, length, names)
-        found = free_of_jumps(leaf, order, length, names, found, matrix)
-    return jnp.pad(found, (CLOSURE, 0))
+        coefficients = free_of_jumps(leaf, order, length, names, coefficients, matrix)
+    return jnp.pad(coefficients, (CLOSURE, 0))
 
 
 def _shape(*nodes: Array, ref, place, order, shear, section, clamped=None, curvature=None, clamp=None):
-    own = _of_beam(section, clamped, order, shear, curvature, clamp)
-    return spectral_planar._shape(*nodes, ref=ref, place=place, **own)
+    options = _of_beam(section, clamped, order, shear, curvature, clamp)
+    return spectral_planar._shape(*nodes, ref=ref, place=place, **options)
 
 
 def _check(*, ref, order, shear, section, curvature=None, clamp=None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
-    faults = faults or faults_of_leaf(section, ref, curvature, nodes_of(order)) or faults_of_ends(None, clamp)
+    faults = faults or faults_of_leaf(section, ref, curvature, gauss_nodes(order)) or faults_of_ends(None, clamp)
     if faults or shear:
         # A leaf spring with shear uses the shear compliance of its rectangle, also if the section has ``shear=False``.
         return faults
     # An invalid material, which the section reports, may cause division by zero here.
     with np.errstate(all="ignore"):
-        return check_shear(False, numbers_of(section, ref, curvature).shear_z)
+        return check_shear(False, section_rigidities(section, ref, curvature).shear_z)
 
 
 leaf_spring = Element(

@@ -55,11 +55,11 @@ def _leaf_spring(
     clamp: Roots | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, warping of both ends, then the coefficients."""
-    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
+    options = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     warping = _length(ref, curvature, order) * jnp.concatenate([warp_p, warp_q])
     # The search for allowed motions passes no section: it does not depend on the distribution of strains.
     coefficients = c if section is None else jnp.concatenate([c, warping])
-    e = spectral_spatial._spectral_beam(p, rot_p, q, rot_q, coefficients, ref=ref, **own)
+    e = spectral_spatial._spectral_beam(p, rot_p, q, rot_q, coefficients, ref=ref, **options)
     return jnp.concatenate([e[:CLOSURE], warping, c])
 
 
@@ -69,10 +69,10 @@ def _fields(*, order):
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
     length = _length(ref, leaf.initial, order)
-    found = leaf.matrix(of, order, length, FIELDS)
+    matrix = leaf.matrix(of, order, length, FIELDS)
     if of is None and leaf.ends is not None:
-        found = found + ends_matrix(leaf, order, length, FIELDS)
-    return jnp.pad(jnp.roll(found, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
+        matrix = matrix + ends_matrix(leaf, order, length, FIELDS)
+    return jnp.pad(jnp.roll(matrix, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
 def _stiffness(*, ref, section, order, clamped=None, curvature=None, skew=None, clamp=None):
@@ -91,8 +91,8 @@ def _energy(e: Array, *, ref, section, order, clamped=None, curvature=None):
 
 
 def _inertia(*nodes: Array, ref, section, order, clamped=None, y=None, curvature=None, skew=None, clamp=None):
-    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
-    return spectral_spatial._inertia(*_spectral(nodes, ref, curvature, order), ref=ref, **own)
+    options = _of_beam(section, clamped, order, y, curvature, skew, clamp)
+    return spectral_spatial._inertia(*_spectral(nodes, ref, curvature, order), ref=ref, **options)
 
 
 def _resultants(
@@ -109,9 +109,9 @@ def _resultants(
     skew=None,
     clamp=None,
 ):
-    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
+    options = _of_beam(section, clamped, order, y, curvature, skew, clamp)
     return spectral_spatial._resultants(
-        *_spectral(nodes, ref, curvature, order), ref=ref, place=place, sigma=sigma, fall=fall, **own
+        *_spectral(nodes, ref, curvature, order), ref=ref, place=place, sigma=sigma, fall=fall, **options
     )
 
 
@@ -128,16 +128,16 @@ def _thermal(
     """Thermal elongation and curvatures; the warmer side becomes longer."""
     length, bends = _length(ref, curvature, order), {"EIy": gradient[1], "EIz": -gradient[0]}
     leaf = leaf_of(section, clamped, curvature, skew, clamp)
-    found = leaf.thermal(change, bends, order, length, FIELDS)
+    coefficients = leaf.thermal(change, bends, order, length, FIELDS)
     if leaf.ends is not None:
         matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
-        found = free_of_jumps(leaf, order, length, FIELDS, found, matrix)
-    return jnp.pad(found, (CLOSURE + WARPINGS, 0))
+        coefficients = free_of_jumps(leaf, order, length, FIELDS, coefficients, matrix)
+    return jnp.pad(coefficients, (CLOSURE + WARPINGS, 0))
 
 
 def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None, curvature=None, skew=None, clamp=None):
-    own = _of_beam(section, clamped, order, y, curvature, skew, clamp)
-    return spectral_spatial._shape(*_spectral(nodes, ref, curvature, order), ref=ref, place=place, **own)
+    options = _of_beam(section, clamped, order, y, curvature, skew, clamp)
+    return spectral_spatial._shape(*_spectral(nodes, ref, curvature, order), ref=ref, place=place, **options)
 
 
 def _check(*, ref, section, y=None, curvature=None, skew=None, clamp=None) -> list[str]:

@@ -44,7 +44,7 @@ def leaf_stress(
     wide, thick, numbers = rectangle.width, rectangle.thickness, rectangle.rigidity()
     youngs, nu = rectangle.material.E, rectangle.material.poisson()
     force, _, _, torque, moment, _ = resultants
-    twisted, curved = (jnp.reshape(one, (-1,))[0] for one in leaf.initial_at(jnp.asarray(place, float)[None]))
+    twisted, curved = (jnp.reshape(value, (-1,))[0] for value in leaf.initial_at(jnp.asarray(place, float)[None]))
     stiffer, fourth, keeps, lifted, lowered = _flattened(moment / numbers.EIy, curved, wide, thick, nu)
     bent = moment / numbers.EIy / stiffer
     warped = tension = shear = jnp.zeros(())
@@ -65,12 +65,12 @@ def leaf_stress(
     stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
     # Distances from the clamps of both ends, in widths.
     away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
-    flat_stretched, flat_bent = (_kept_flat(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
-    near = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
+    flat_stretched, flat_bent = (_flat_share(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
+    clamp_effect = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
     free = 1 - flat_bent
     fibres = youngs * nu * bent * (curved + bent) * wide**2 / 12 * _faded(away, leaf.clamped, fourth)
-    at_edges = 1 + free * (1 / stiffer - 1) - LESS * near
-    in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + MORE * near
+    at_edges = 1 + free * (1 / stiffer - 1) - LESS * clamp_effect
+    in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + MORE * clamp_effect
     y, z = RECTANGLE.T
     sigma = sigma + at_surface * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
     sigma = sigma + (fibres * lifted + 2 * tension) * y**2 - (fibres * lowered / 2 + tension) * AT_Z
@@ -92,7 +92,7 @@ def twist_at(
     return rate[0] / length, slope[0] / length**2
 
 
-def _kept_flat(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Array, ""]:
+def _flat_share(away: Float[Array, "2"], clamped: Any, reach: float) -> Float[Array, ""]:
     """Share from 0 to 1 by which clamps keep the middle of the width flat, at distances from both ends."""
     # The integral of the share along the strip is MIDDLE times the distance of (2.22).
     fallen = 2 * away / (MIDDLE * reach)
@@ -111,19 +111,19 @@ def _flattened(
 ) -> tuple[Float[Array, ""], ...]:
     """Relative stiffness, u^4 and cross-section of a strip bent by M = EIy times ``change``, far from clamps."""
 
-    def fourth(change: Float[Array, ""], whole: Float[Array, ""]):
-        return 3 * (1 - nu**2) * change * whole * (wide**2 / thick) ** 2
+    def fourth(change: Float[Array, ""], curvature: Float[Array, ""]):
+        return 3 * (1 - nu**2) * change * curvature * (wide**2 / thick) ** 2
 
     def stiffer(change: Float[Array, ""]):
-        whole = initial + change
-        kept, slope = jax.jvp(curving, (fourth(whole, whole),), (jnp.ones(()),))
-        return (1 - nu**2 * (kept + fourth(change, whole) * slope)) / (1 - nu**2)
+        curvature = initial + change
+        value, slope = jax.jvp(curving, (fourth(curvature, curvature),), (jnp.ones(()),))
+        return (1 - nu**2 * (value + fourth(change, curvature) * slope)) / (1 - nu**2)
 
     # The stiffness varies by nu^2 at most, so one iteration suffices.
-    found = stiffer(change)
-    whole = initial + change / found
-    at = fourth(whole, whole)
-    return found, at, *_across(at)
+    ratio = stiffer(change)
+    curvature = initial + change / ratio
+    at = fourth(curvature, curvature)
+    return ratio, at, *_across(at)
 
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
@@ -135,11 +135,13 @@ def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""
     # Terms over exp(u)/2 do not overflow.
     half, cosine, sine = jnp.exp(-u / 2), jnp.cos(u / 2), jnp.sin(u / 2)
     down, up = half * (1 - half**2), half * (1 + half**2)
-    whole, twice = 1 - half**4, 2 * half**2 * jnp.sin(u)
+    scale, twice = 1 - half**4, 2 * half**2 * jnp.sin(u)
     large = (
         2 * (up * sine + down * cosine),
-        6 / u**2 * (whole - twice),
+        6 / u**2 * (scale - twice),
         24 / u**2 * (up * sine - down * cosine),
     )
-    found = [jnp.where(small, near / below, far / (whole + twice)) for near, far in zip(series, large, strict=True)]
-    return found[0], found[1], found[2]
+    parts = [
+        jnp.where(small, by_series / below, far / (scale + twice)) for by_series, far in zip(series, large, strict=True)
+    ]
+    return parts[0], parts[1], parts[2]

@@ -67,19 +67,19 @@ class Neck(Section):
 
     def rigidity(self) -> Rigidity:
         """Return the rigidities of (2.60), with the torsional rigidity of (2.61)."""
-        found, square = self.rectangle.rigidity(), self.slope**2
+        rigidity, square = self.rectangle.rigidity(), self.slope**2
         spread = square / (1 + STEEP * square)
         stretched = (1 + TENSION * spread) * self.stretched
         area = self.rectangle.width * self.rectangle.thickness
         sideways = self.even * self.material.shear_modulus() * area / (1 + SHEAR * spread)
         return dataclasses.replace(
-            found,
-            EA=found.EA / stretched,
-            EIz=found.EIz / stretched,
-            EIy=found.EIy / self.bent,
-            GIt=found.GIt * self.twist,
-            shear_y=found.EIz / stretched / sideways,
-            shear_z=found.shear_z / self.bent,
+            rigidity,
+            EA=rigidity.EA / stretched,
+            EIz=rigidity.EIz / stretched,
+            EIy=rigidity.EIy / self.bent,
+            GIt=rigidity.GIt * self.twist,
+            shear_y=rigidity.EIz / stretched / sideways,
+            shear_z=rigidity.shear_z / self.bent,
         )
 
 
@@ -120,15 +120,15 @@ def _everywhere(plain: Profile, width: Scalar, long: Scalar, material: Material,
 
     def numbers(place: Float[Array, ""]):
         rectangle: Any = plain.at(place, jnp.asarray(extent, float))
-        found = rectangle.rigidity()
-        return found.GIt, found.EIy / found.shear_z, rectangle.thickness
+        rigidity = rectangle.rigidity()
+        return rigidity.GIt, rigidity.EIy / rigidity.shear_z, rectangle.thickness
 
     turned, sheared, thickness = jax.vmap(numbers)(places)
     weights = jnp.concatenate([weights, weights]) / 2 * extent
     warped = material.E * (width * thickness) ** 3 / 144 / (1 + OF_THICK * (thickness / width) ** 2)
     away = (places - 0.5) * extent
-    free, held = weights @ (1 / turned), weights @ (away**2 / warped + 12 / (width**2 * sheared))
-    return 1 + free / held, *plates, even
+    free, restrained = weights @ (1 / turned), weights @ (away**2 / warped + 12 / (width**2 * sheared))
+    return 1 + free / restrained, *plates, even
 
 
 def _warn_of_stocky(deep: Any, wide: Any) -> None:

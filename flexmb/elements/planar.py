@@ -123,12 +123,14 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
         pulls = jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
     force_p, moment_p, force_q, moment_q = pulls
     normal, across = jnp.einsum("eax,ex->ae", axes, jnp.stack([-force_p, force_q]))
-    resultants = beams.along(jnp.stack([normal, across, jnp.concatenate([moment_p, -moment_q])], axis=1), place)
+    resultants = beams.resultants_between_ends(
+        jnp.stack([normal, across, jnp.concatenate([moment_p, -moment_q])], axis=1), place
+    )
     if fall is not None:
         force, lever = beams.distributed(beams.CUBIC_SHAPES, fall[np.array([0, 2, 1, 3])], place)
         moment = chord[1] * lever[0] - chord[0] * lever[1]
         mass = section.rigidity().mass * beams.beam_length(ref)
-        resultants = resultants + mass * jnp.append(beams.along(axes, place) @ force, moment)
+        resultants = resultants + mass * jnp.append(beams.resultants_between_ends(axes, place) @ force, moment)
     zero = jnp.array(0.0)
     return jnp.stack([resultants[0], zero, resultants[1], zero, resultants[2], zero])
 
@@ -182,9 +184,9 @@ def _rigid_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None
 ) -> Float[Array, "2"]:
     """Expansion of the offset, and the deflection of an arc whose direction at p is unchanged."""
-    offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
+    offset, expansion = ref.q - ref.p, beams.expansion_of(section, alpha)
     across = beams.length_or_zero(ref) * jnp.stack([-offset[1], offset[0]])
-    return own * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
+    return expansion * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
 
 
 rigid_beam = Element(
@@ -385,8 +387,8 @@ def _body_inertia(p: Point2, rot: Angle, *, ref: Reference, mass: float, center:
 
 
 def _check_body(*, ref: Reference, mass: float, inertia: float) -> list[str]:
-    found = [] if holds(as_floats(inertia) >= 0) else [f"has an inertia of {inertia}, but it cannot be negative"]
-    return beams.check_body_mass(mass) + found
+    faults = [] if holds(as_floats(inertia) >= 0) else [f"has an inertia of {inertia}, but it cannot be negative"]
+    return beams.check_body_mass(mass) + faults
 
 
 body = Element(_body, inertia=_body_inertia, check=_check_body)

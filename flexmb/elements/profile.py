@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, as_reals, check_real, holds, is_concrete, shown
+from ..arguments import as_floats, as_reals, check_real, holds, is_concrete, short_repr
 from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
@@ -56,10 +56,10 @@ class Profile(Section):
 
     def __post_init__(self):
         # JAX also creates records, with functions that are captured already.
-        for name, taken in (("function", _function), ("breaks", _breaks)):
-            given = getattr(self, name)
-            if callable(given) and not isinstance(given, Captured):
-                object.__setattr__(self, name, taken(given))
+        for name, capture in (("function", _function), ("breaks", _breaks)):
+            value = getattr(self, name)
+            if callable(value) and not isinstance(value, Captured):
+                object.__setattr__(self, name, capture(value))
 
     def at(self, place: Scalar, length: Scalar) -> Section:
         """Return the section at a place.
@@ -76,9 +76,9 @@ class Profile(Section):
         Args:
             length: Of the beam, () [m].
         """
-        found: Any = self.breaks
-        found = found(jnp.asarray(length, float)) if callable(found) else found
-        return tuple(jnp.asarray(one, float) for one in found)
+        breaks: Any = self.breaks
+        breaks = breaks(jnp.asarray(length, float)) if callable(breaks) else breaks
+        return tuple(jnp.asarray(place, float) for place in breaks)
 
     def rigidity(self) -> Rigidity:
         """Raise an error: the rigidity depends on the place.
@@ -182,8 +182,8 @@ class Profile(Section):
         for i, place in enumerate(CHECKED):
             if faults := jax.tree.map(lambda numbers, i=i: numbers[i], sections).faults():
                 return [f"has a section with {faults[0]}, at place {place:g}"]
-        found = self.along(length, count)
-        breaks = found.breaks
+        along_beam = self.along(length, count)
+        breaks = along_beam.breaks
         if not (
             np.all((breaks > -PLACE_OF_BREAK) & (breaks < 1 + PLACE_OF_BREAK))
             and np.all(np.diff(breaks, axis=1) > -PLACE_OF_BREAK)
@@ -191,23 +191,23 @@ class Profile(Section):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
         for i, name in enumerate((*STIFF, "mass")):
-            least, most = found.least[:, i], found.most[:, i]
+            least, most = along_beam.least[:, i], along_beam.most[:, i]
             # A rigidity may be zero everywhere, except EA.
             gaps = (least == 0) & ((most > 0) | (name == "EA")) & (name in STIFF)
             faulty = ~np.isfinite(least) | ~np.isfinite(most) | (least < 0) | gaps
             if np.any(faulty):
                 at = int(np.argmax(faulty))
-                where = f"{name} = {least[at]:.6g} at place {found.where[at, i]:.4g}"
+                where = f"{name} = {least[at]:.6g} at place {along_beam.where[at, i]:.4g}"
                 return [f"has a section with {where}, but it must be positive"]
-        means, masses = found.means, found.masses
+        means, masses = along_beam.means, along_beam.masses
         # The moments of a rigidity that is zero everywhere are zero.
         uneven = np.any(np.abs(means[:, 1:] - means[:, :1]) > SMOOTH_COMPLIANCE * means[:, :1])
         heavy = np.any(np.abs(masses[:, 1] - masses[:, 0]) > SMOOTH_MASS * masses[:, 0])
         if uneven or heavy:
-            what = "section" if uneven else "mass along its section"
+            noun = "section" if uneven else "mass along its section"
             more = ", take a higher order," if count < NODES else ""
             return [
-                f"has a {what} that is not smooth between its breaks: name the places where it jumps or bends sharply"
+                f"has a {noun} that is not smooth between its breaks: name the places where it jumps or bends sharply"
                 f" in `breaks`{more} or divide the beam"
             ]
         return []
@@ -248,26 +248,27 @@ def _function(function: Callable[..., Any]) -> Captured:
         raise ModelError("The function of a Profile must take a place from 0 to 1, or a place and the length.")
 
     def section(place: Float[Array, ""], length: Float[Array, ""]):
-        found = function(place, length) if len(takes) == 2 else function(place)
-        if not isinstance(found, Section) or isinstance(found, Profile):
+        result = function(place, length) if len(takes) == 2 else function(place)
+        if not isinstance(result, Section) or isinstance(result, Profile):
             raise ModelError(
-                f"The function of a Profile must return a section such as Rectangle(..), not {shown(found)}."
+                f"The function of a Profile must return a section such as Rectangle(..), not {short_repr(result)}."
             )
-        check_real("The section that the function of a Profile returns", found, ModelError)
-        for leaf in jax.tree.leaves(found):
+        check_real("The section that the function of a Profile returns", result, ModelError)
+        for leaf in jax.tree.leaves(result):
             if jnp.shape(leaf):
                 raise ModelError(
                     f"The function of a Profile returns a section with an entry of shape {jnp.shape(leaf)}, but each"
                     " must be one number at a place."
                 )
-        return found
+        return result
 
     return captured(section, _SCALAR, _SCALAR)
 
 
 def _breaks(function: Callable[..., Any]) -> Captured:
     return captured(
-        lambda length: tuple(as_reals("Where a Profile breaks", one, ModelError) for one in function(length)), _SCALAR
+        lambda length: tuple(as_reals("Where a Profile breaks", place, ModelError) for place in function(length)),
+        _SCALAR,
     )
 
 
@@ -290,18 +291,18 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
     nodes = jnp.concatenate([*(nodes for nodes, _ in rules), PLACES])
     first = np.cumsum([0, *(len(nodes) for nodes, _ in rules), len(PLACES)])
 
-    def one(of: tuple[Profile, Float[Array, ""]]):
-        profile, length = of
+    def one(beam: tuple[Profile, Float[Array, ""]]):
+        profile, length = beam
         breaks = jnp.stack([*profile.breaks_at(length), jnp.ones(())])
         starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
         sizes = breaks - starts
         everywhere = starts[:, None] + sizes[:, None] * nodes
         numbers = jax.vmap(lambda place: _numbers(profile.at(place, length)))(everywhere.ravel())
-        whole = jnp.stack([getattr(numbers, name) for name in (*STIFF, "mass")]).reshape(-1, *everywhere.shape)
+        all_values = jnp.stack([getattr(numbers, name) for name in (*STIFF, "mass")]).reshape(-1, *everywhere.shape)
 
         def of_rule(i: int) -> tuple[Float[Array, "n"], Float[Array, "5 n"]]:
-            own = slice(first[i], first[i + 1])
-            return everywhere[:, own].ravel(), whole[:, :, own].reshape(len(whole), -1)
+            columns = slice(first[i], first[i + 1])
+            return everywhere[:, columns].ravel(), all_values[:, :, columns].reshape(len(all_values), -1)
 
         def means(i: int):
             places, (*stiff, mass) = of_rule(i)
@@ -379,7 +380,9 @@ def stepped(sections: Sequence[Section], breaks: Sequence[Scalar]) -> Profile:
 def _check_alike(*sections: Section) -> None:
     for section in sections:
         if not isinstance(section, Section) or isinstance(section, Profile):
-            raise ModelError(f"A piece of a section must be a section, such as Rectangle(..), not {shown(section)}.")
+            raise ModelError(
+                f"A piece of a section must be a section, such as Rectangle(..), not {short_repr(section)}."
+            )
     if len({jax.tree.structure(section) for section in sections}) > 1:
         kinds = ", ".join(type(section).__name__ for section in sections)
         raise ModelError(f"Sections along one beam must be of one kind with the same options, not {kinds}.")

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, holds, shown
+from ..arguments import check_number, holds, short_repr
 from ..errors import ModelError
 from .section import Material, Scalar, Section
 
@@ -18,7 +18,7 @@ HALF_PLANE = 50 / 3
 TWISTED = 2.25
 
 
-def spread(share: Any) -> Any:
+def spreading_length(share: Any) -> Any:
     """Return the spreading length of a load at a symmetric step, over half of the narrow width.
 
     Args:
@@ -31,8 +31,8 @@ def spread(share: Any) -> Any:
         THEORY.md 2, eq. (2.49): potential flow.
     """
     a = jnp.where(share < 1, share, 0.5)
-    found = (a**2 + 1) / a * jnp.log((1 + a) / (1 - a)) - 2 * jnp.log(4 * a / (1 - a**2))
-    return jnp.where(share < 1, found / np.pi, 0.0)
+    spreading = (a**2 + 1) / a * jnp.log((1 + a) / (1 - a)) - 2 * jnp.log(4 * a / (1 - a**2))
+    return jnp.where(share < 1, spreading / np.pi, 0.0)
 
 
 def bent_spread(share: Any) -> Any:
@@ -65,18 +65,18 @@ def root_stiffness(section: Section, material: Material, thickness: Scalar) -> F
         THEORY.md 2, eq. (2.53). Rotation about y: O'Donnell (1960), Journal of Applied Mechanics 27, 461.
     """
     if not hasattr(section, "width") or not hasattr(section, "thickness"):
-        raise TypeError(f"Argument `section` must be a Rectangle, not {shown(section)}.")
+        raise TypeError(f"Argument `section` must be a Rectangle, not {short_repr(section)}.")
     if not isinstance(material, Material):
-        raise TypeError(f"Argument `material` must be a Material, not {shown(material)}.")
-    own: Any = section
+        raise TypeError(f"Argument `material` must be a Material, not {short_repr(material)}.")
+    rectangle: Any = section
     check_number("thickness", thickness, above=0, fault=ModelError)
     nu = material.poisson()
-    share, per_width = own.thickness / thickness, (1 - nu**2) / (material.E * own.width)
+    share, per_width = rectangle.thickness / thickness, (1 - nu**2) / (material.E * rectangle.width)
     if not holds(share < 1):
         raise ModelError("The block at the root must be thicker than the leaf spring.")
-    along = STRETCHED * spread(share) * per_width
-    across = spread(share) / (2 * material.shear_modulus() * own.width)
-    bent = HALF_PLANE / np.pi * per_width / own.thickness**2
-    twisted = TWISTED / (np.pi * material.shear_modulus() * own.width * own.thickness**2)
-    flexible = [along, across, along, twisted, bent, 12 * along / own.width**2]
-    return 1 / jnp.stack([jnp.asarray(one, float) for one in flexible])
+    along = STRETCHED * spreading_length(share) * per_width
+    across = spreading_length(share) / (2 * material.shear_modulus() * rectangle.width)
+    bent = HALF_PLANE / np.pi * per_width / rectangle.thickness**2
+    twisted = TWISTED / (np.pi * material.shear_modulus() * rectangle.width * rectangle.thickness**2)
+    flexible = [along, across, along, twisted, bent, 12 * along / rectangle.width**2]
+    return 1 / jnp.stack([jnp.asarray(value, float) for value in flexible])

@@ -244,8 +244,8 @@ class Rigidity(Section):
     def faults(self) -> list[str]:
         """Return faults: a negative rigidity or mass. Product of inertia and thermal expansion have either sign."""
         numbers = tuple(f.name for f in dataclasses.fields(self) if f.name != "Jyz")
-        found = faults_of(self.rigidity(), at_least_zero=numbers)
-        return found + [f"outline: {fault}" for fault in (self.outline.faults() if self.outline is not None else [])]
+        faults = faults_of(self.rigidity(), at_least_zero=numbers)
+        return faults + [f"outline: {fault}" for fault in (self.outline.faults() if self.outline is not None else [])]
 
 
 def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
@@ -254,35 +254,35 @@ def faults_of(record: Any, at_least_zero: tuple[str, ...]) -> list[str]:
     Args:
         record: Section, material or damping. Conditions on traced numbers go to :func:`flexmb.arguments.holds`.
     """
-    found = []
+    faults = []
     for field in dataclasses.fields(record):
         value = getattr(record, field.name)
         if field.metadata.get("static") or value is None or field.name in ("Jyz", "nu", "alpha"):
             continue
         if isinstance(value, Record):
-            found += faults_of(value, at_least_zero)
-            found += _faults_of_material(value) if isinstance(value, Material) else []
+            faults += faults_of(value, at_least_zero)
+            faults += _faults_of_material(value) if isinstance(value, Material) else []
         elif field.name in at_least_zero:
-            found += [] if holds(as_known(value) >= 0) else [f"{field.name} = {value}, but it cannot be negative"]
+            faults += [] if holds(as_known(value) >= 0) else [f"{field.name} = {value}, but it cannot be negative"]
         elif not holds(as_known(value) > 0):
-            found.append(f"{field.name} = {value}, but it must be positive")
-    return found
+            faults.append(f"{field.name} = {value}, but it must be positive")
+    return faults
 
 
 def _faults_of_material(material: Material) -> list[str]:
     """Contradictions between the numbers of a material."""
-    found, nu = [], as_known(material.nu)
+    faults, nu = [], as_known(material.nu)
     if nu is not None and not (holds(nu > -1) and holds(nu < 0.5)):
-        found.append(f"nu = {nu}, but it must be above -1 and below 0.5")
+        faults.append(f"nu = {nu}, but it must be above -1 and below 0.5")
     if nu is None and material.G is None:
-        return [*found, WITHOUT_SHEAR_MODULUS]
+        return [*faults, WITHOUT_SHEAR_MODULUS]
     ratio = as_known(material.E) / (2 * as_known(material.shear_modulus())) - 1
     if nu is None and not holds(ratio <= 0.5 + ABOVE_LARGEST_POISSON):
-        found.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
+        faults.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
     fatigue, strength = as_known(material.fatigue), as_known(material.strength)
     if fatigue is not None and strength is not None and not holds(fatigue <= strength):
-        found.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
-    return found
+        faults.append(f"fatigue = {fatigue}, but it cannot be above the strength {strength}")
+    return faults
 
 
 class Damping(Record):

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, check_number, holds, is_concrete, nan_if_refused, shown
+from ..arguments import as_known, check_number, holds, is_concrete, nan_if_refused, short_repr
 from ..compilation.record import static
 from ..errors import ModelError
 from ..lazy import only
@@ -60,7 +60,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         eq. (2.41).
     """
     if not isinstance(section, Section):
-        raise TypeError(f"Argument `section` must be a Section, such as Rectangle(..), not {shown(section)}.")
+        raise TypeError(f"Argument `section` must be a Section, such as Rectangle(..), not {short_repr(section)}.")
     with nan_if_refused() as marked:
         check_number("length", length, above=0, fault=ModelError)
         check_number("ratio", ratio, least=0, fault=ModelError)
@@ -80,7 +80,10 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         product = xp.where(positive, stiffness * mass, 1.0)
         return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
 
-    bending, shears = (equivalent(s.EIy, 3), equivalent(s.EIz, 3)), (equivalent(one, 1) for one in s.shear_rigidities())
+    bending, shears = (
+        (equivalent(s.EIy, 3), equivalent(s.EIz, 3)),
+        (equivalent(shear, 1) for shear in s.shear_rigidities()),
+    )
     return Damping(equivalent(s.EA, 1), *bending, equivalent(s.GIt, 3), *shears)
 
 
@@ -238,11 +241,11 @@ class Rectangle(Section):
         if self.warping_length is not None:
             it = it * _by_warping(self.warping_length, w, nu, self.clamped_ends, self.warping_modulus)
         k = 10 * (1 + nu) / (12 + 11 * nu)
-        found = _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
+        rigidity = _from_geometry(self, w * t, w * t**3 / 12, t * w**3 / 12, it, k)
         modulus = material.E / (1 - nu**2) if self.warping_modulus == "plate" else material.E
         constant = (w * t) ** 3 / 144
         rho = material.rho if self.rotary else 0.0
-        return dataclasses.replace(found, EIw=modulus * constant, Jw=rho * constant)
+        return dataclasses.replace(rigidity, EIw=modulus * constant, Jw=rho * constant)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
         """Return the stress at corners and middles of the sides, from the corner at +y, +z counter-clockwise about x.
@@ -254,7 +257,7 @@ class Rectangle(Section):
             resultants: (6,) [N, N m].
         """
         it = _by_series(self.width, self.thickness)
-        return surface.rectangle(self.width, self.thickness, it, resultants)
+        return surface.rectangle_stress(self.width, self.thickness, it, resultants)
 
 
 class HollowRectangle(Section):
@@ -543,8 +546,8 @@ def notch_filleted(
         return Rectangle(width, jnp.where(x < radius, curved, height), material, shear=shear)
 
     def breaks(length: Float[Array, ""]):
-        near, far = flat / 2 / length, (flat / 2 + radius) / length
-        return 0.5 - far, 0.5 - near, 0.5 + near, 0.5 + far
+        inner, outer = flat / 2 / length, (flat / 2 + radius) / length
+        return 0.5 - outer, 0.5 - inner, 0.5 + inner, 0.5 + outer
 
     return Profile(section, breaks)
 

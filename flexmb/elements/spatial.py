@@ -157,14 +157,14 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
     force_p, dual_p, force_q, dual_q = pulls
     moments = jnp.stack([-lbar(rot_p) @ dual_p, lbar(rot_q) @ dual_q]) / 2
     vectors = jnp.stack([jnp.stack([-force_p, force_q]), moments], axis=1)
-    resultants = beams.along(vectors @ triads, place)
+    resultants = beams.resultants_between_ends(vectors @ triads, place)
     if fall is not None:
         l0 = beams.beam_length(ref)
         # Slopes by place are axes times length.
         at_ends = fall[_PLACES] * jnp.stack([jnp.ones_like(l0), l0, jnp.ones_like(l0), l0])[:, None]
         force, lever = beams.distributed(beams.CUBIC_SHAPES, at_ends, place)
         inside = jnp.stack([force, (CROSS @ lever) @ (q - p)])
-        resultants = resultants + section.rigidity().mass * l0 * inside @ beams.along(triads, place)
+        resultants = resultants + section.rigidity().mass * l0 * inside @ beams.resultants_between_ends(triads, place)
     return resultants.ravel()
 
 
@@ -230,8 +230,8 @@ def _warping_beam(
     second_order: Static[bool] = True,
 ) -> Float[Array, "8"]:
     """Deformations of ``spatial.beam``, then the twist rates of both ends times length."""
-    own = _beam(p, rot_p, q, rot_q, ref=ref, y=y, second_order=second_order)
-    return jnp.concatenate([own, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
+    deformations = _beam(p, rot_p, q, rot_q, ref=ref, y=y, second_order=second_order)
+    return jnp.concatenate([deformations, beams.beam_length(ref) * jnp.concatenate([warp_p, warp_q])])
 
 
 # Places of the coefficients of beams.restrained_torsion: the twist is e2/l0, the warpings are e7 and e8.
@@ -258,9 +258,9 @@ def _warping_inertia(*nodes: Array, ref, section, y=None):
     p, rot_p, warp_p, q, rot_q, warp_q = nodes
     vectors, h = _beam_inertia(p, rot_p, q, rot_q, ref=ref, section=section, y=y)
     along = jnp.concatenate([warp_p, warp_q])[:, None] * np.eye(3)[:1]
-    own = section.rigidity().Jw * beams.beam_length(ref) * beams.LINEAR_MASS
+    warping_mass = section.rigidity().Jw * beams.beam_length(ref) * beams.LINEAR_MASS
     n = h.shape[0]
-    return jnp.concatenate([vectors, along]), jnp.pad(h, (0, 2)) + jnp.pad(own, (n, 0))
+    return jnp.concatenate([vectors, along]), jnp.pad(h, (0, 2)) + jnp.pad(warping_mass, (n, 0))
 
 
 def _warping_resultants(
@@ -268,9 +268,9 @@ def _warping_resultants(
 ) -> Float[Array, "6"]:
     """Resultants of ``spatial.beam``: a bimoment has no resultant."""
     p, rot_p, _, q, rot_q, _ = nodes
-    own = {"section": section, "second_order": second_order, "y": y}
+    options = {"section": section, "second_order": second_order, "y": y}
     fall = None if fall is None else fall[:-2]
-    return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **own)
+    return _beam_resultants(p, rot_p, q, rot_q, ref=ref, place=place, sigma=sigma[:6], fall=fall, **options)
 
 
 def _warping_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "8"]:
@@ -333,12 +333,12 @@ def _rigid_thermal(
     change: Array, gradient: Array, *, ref, alpha: float | None = None, section=None, y=None
 ) -> Float[Array, "3"]:
     """Expansion of the offset, and the deflection of an arc whose direction at p is unchanged."""
-    offset, own = ref.q - ref.p, beams.expansion_of(section, alpha)
+    offset, expansion = ref.q - ref.p, beams.expansion_of(section, alpha)
     square = offset @ offset
     # A pinned body, whose ends lie in one place, has no axes.
     along = jnp.where(square > 0, offset, np.array([1.0, 0, 0]))
     across = square * initial_frame(jnp.zeros(3), along, y)[:, 1:] @ gradient
-    return own * ((change[0] + change[1]) / 2 * offset - across / 2)
+    return expansion * ((change[0] + change[1]) / 2 * offset - across / 2)
 
 
 def _check_rigid(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
@@ -538,20 +538,20 @@ def _body_inertia(
 
 
 def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> list[str]:
-    found, own = beams.check_body_mass(mass), as_floats(inertia)
-    xp = library_of(own)
-    if not holds(xp.isfinite(own)):
-        return found
-    moments = xp.linalg.eigvalsh(own[..., TENSOR])
+    faults, tensor = beams.check_body_mass(mass), as_floats(inertia)
+    xp = library_of(tensor)
+    if not holds(xp.isfinite(tensor)):
+        return faults
+    moments = xp.linalg.eigvalsh(tensor[..., TENSOR])
     # A needle has one zero moment and two equal ones; in a plate one moment is the sum of the others.
     slack = PRINCIPAL_MOMENTS * moments[..., 2]
     if not holds((moments[..., 0] >= -slack) & (moments[..., 0] + moments[..., 1] >= moments[..., 2] - slack)):
-        told = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
-        found.append(
-            f"has the principal moments of inertia {told}, which no body has: none is negative, and none is more than"
+        listed = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
+        faults.append(
+            f"has the principal moments of inertia {listed}, which no body has: none is negative, and none is more than"
             " the sum of the others"
         )
-    return found
+    return faults
 
 
 body = Element(_body, inertia=_body_inertia, check=_check_body)

@@ -68,8 +68,8 @@ class BeamPieces(NamedTuple):
         """Return the integral of loads at nodes from a place to the end, (k,)."""
         reached = (place - self.starts) / jnp.where(self.sizes > 0, self.sizes, 1.0)
         n = coefficients.shape[0]
-        left = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
-        return jnp.einsum("i,in,nm,imk->k", self.sizes, left, coefficients, loads)
+        remaining = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
+        return jnp.einsum("i,in,nm,imk->k", self.sizes, remaining, coefficients, loads)
 
 
 WHOLE = BeamPieces(np.zeros(1), np.ones(1))
@@ -80,7 +80,7 @@ def pieces_of(section: Section | None, length: Float[Array, ""], end: Float[Arra
     breaks = () if section is None else section.breaks_at(length)
     if not breaks and end is None:
         return WHOLE
-    ends = jnp.stack([jnp.clip(one, 0.0, 1.0) for one in breaks] + [jnp.ones(())])
+    ends = jnp.stack([jnp.clip(place, 0.0, 1.0) for place in breaks] + [jnp.ones(())])
     ends = ends if end is None else jnp.minimum(ends, end)
     starts = jnp.concatenate([jnp.zeros(1), ends[:-1]])
     return BeamPieces(starts, ends - starts)
@@ -92,9 +92,9 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
     Args:
         names: Attributes of :class:`flexmb.Rigidity`; "GAy" and "GAz" are shear rigidities.
     """
-    own = _along(section, jnp.asarray(places), length) if section.varies else section.at(0.0, length).rigidity()
-    found = [jnp.broadcast_to(jnp.asarray(rigidity_of(own, name), float), places.shape) for name in names]
-    return jnp.stack(found, axis=1)
+    rigidity = _along(section, jnp.asarray(places), length) if section.varies else section.at(0.0, length).rigidity()
+    columns = [jnp.broadcast_to(jnp.asarray(rigidity_of(rigidity, name), float), places.shape) for name in names]
+    return jnp.stack(columns, axis=1)
 
 
 @traced_once
@@ -135,8 +135,8 @@ def relative(
 ) -> Float[Array, "n fields"]:
     """Return compliances at places over their means."""
     nodes, weights = gauss(NODES)
-    whole = pieces_of(section, length)
-    mean = (whole.sizes[:, None] * weights).ravel() @ _compliance(section, whole.spread(nodes).ravel(), length, names)
+    pieces = pieces_of(section, length)
+    mean = (pieces.sizes[:, None] * weights).ravel() @ _compliance(section, pieces.spread(nodes).ravel(), length, names)
     return _compliance(section, places, length, names) / mean
 
 
@@ -167,20 +167,20 @@ def series_matrix(
     """
     if section is None or not section.varies:
         constant = of.rigidity() if isinstance(of, Section) else of
-        own = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in names])[:, None] / length
-        own = own / (2.0 * np.arange(order) + 1)
-        return jnp.diag(jnp.concatenate([jnp.zeros(closure), own.ravel()]))
+        blocks = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in names])[:, None] / length
+        blocks = blocks / (2.0 * np.arange(order) + 1)
+        return jnp.diag(jnp.concatenate([jnp.zeros(closure), blocks.ravel()]))
     nodes, weights = gauss(NODES)
-    whole = pieces_of(section, length)
-    places = whole.spread(nodes).ravel()
+    pieces = pieces_of(section, length)
+    places = pieces.spread(nodes).ravel()
     if isinstance(of, Section):
         stiff = rigidities(of, places, length, names)
     else:
         stiff = jnp.stack([jnp.asarray(rigidity_of(of, name), float) for name in names])
     shapes = strains(order, section, places, length, names)
-    weighted = (whole.sizes[:, None] * weights).ravel()[:, None] * stiff / length
-    own = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)
-    full = jnp.einsum("fjk,fg->fjgk", own, np.eye(len(names))).reshape(2 * (own.shape[0] * order,))
+    weighted = (pieces.sizes[:, None] * weights).ravel()[:, None] * stiff / length
+    blocks = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)
+    full = jnp.einsum("fjk,fg->fjgk", blocks, np.eye(len(names))).reshape(2 * (blocks.shape[0] * order,))
     return jnp.pad(full, (closure, 0))
 
 
@@ -200,15 +200,15 @@ def series_of(
     Args:
         wanted: Function that returns strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
     """
-    whole = pieces_of(section, length)
+    pieces = pieces_of(section, length)
     nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
-    places = whole.spread(nodes).ravel()
-    shapes, weights = strains(order, section, places, length, names), (whole.sizes[:, None] * weights).ravel()
+    places = pieces.spread(nodes).ravel()
+    shapes, weights = strains(order, section, places, length, names), (pieces.sizes[:, None] * weights).ravel()
     if not isinstance(section, Profile):
-        found = (2.0 * np.arange(order) + 1)[:, None] * ((weights[:, None] * shapes[:, 0]).T @ wanted(places))
-        return jnp.concatenate([jnp.zeros(closure), found.T.ravel()])
+        coefficients = (2.0 * np.arange(order) + 1)[:, None] * ((weights[:, None] * shapes[:, 0]).T @ wanted(places))
+        return jnp.concatenate([jnp.zeros(closure), coefficients.T.ravel()])
     weighted = (weights[:, None] / _compliance(section, places, length, names))[:, :, None] * shapes
-    matrix, right = (jnp.einsum("nfj,nf...->fj...", weighted, of) for of in (shapes, wanted(places)))
+    matrix, right = (jnp.einsum("nfj,nf...->fj...", weighted, values) for values in (shapes, wanted(places)))
     return jnp.concatenate([jnp.zeros(closure), jnp.linalg.solve(matrix, right[:, :, None]).ravel()])
 
 
@@ -231,8 +231,8 @@ def thermal_series(
 
     def wanted(places: Float[Array, "n"]):
         along = {"EA": change[0] + places * (change[1] - change[0]), **bends}
-        each = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
-        return length * rigidities(section, places, length, ("alpha",)) * each
+        by_field = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
+        return length * rigidities(section, places, length, ("alpha",)) * by_field
 
     return series_of(wanted, section, order, length, closure, names)
 
@@ -253,7 +253,7 @@ def check_curvature(ref: Reference, curvature: Any, y: Any = None) -> list[str]:
     return []
 
 
-def numbers_of(section: Section, ref: Reference, curvature: Any) -> Rigidity:
+def section_rigidities(section: Section, ref: Reference, curvature: Any) -> Rigidity:
     """Return the rigidities of a section; at places along the beam if it varies."""
     if not isinstance(section, Profile):
         return section.rigidity()

@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..math.quadrature import gauss, legendre_coefficients
 from ..math.rotation import cosine_and_sine, rotation_plane
 from . import beams
-from .curves import CurvedLine, beam_length, tilt_of, turned_to
+from .curves import CurvedLine, curved_length, tilt_of, turned_to
 from .element import Element
 from .leaf_ends import IN_PLANE, jumps
 from .nodes import Angle, Point2, Reference, Series2, Static
@@ -25,9 +25,9 @@ from .spectral import (
     check_section,
     check_shear,
     fields_after,
-    numbers_of,
     pieces_of,
     rigidities,
+    section_rigidities,
     series_matrix,
     strains,
     thermal_series,
@@ -61,21 +61,21 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
     return rule
 
 
-def nodes_of(order: int) -> int:
+def gauss_nodes(order: int) -> int:
     """Return the number of Gauss nodes in each smooth piece of a beam."""
     return 2 * order + 8
 
 
 def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
-    nodes, weights = gauss(nodes_of(order))
+    nodes, weights = gauss(gauss_nodes(order))
     places = pieces.spread(nodes).ravel()
     shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
     along = pieces.integrals(nodes, weights)
     weights = (pieces.sizes[:, None] * weights).ravel()
     curvatures = shapes[:, CURVATURE]
-    own = {"elongations": shapes[:, ELONGATION], "angles": along @ curvatures, "turn": weights @ curvatures}
-    own["shears"] = shapes[:, SHEAR] if shear else None
-    return SimpleNamespace(pieces=pieces, inner=nodes, nodes=places, weights=weights, along=along, **own)
+    terms = {"elongations": shapes[:, ELONGATION], "angles": along @ curvatures, "turn": weights @ curvatures}
+    terms["shears"] = shapes[:, SHEAR] if shear else None
+    return SimpleNamespace(pieces=pieces, inner=nodes, nodes=places, weights=weights, along=along, **terms)
 
 
 def _count(shear: bool) -> int:
@@ -93,15 +93,15 @@ def _stretched_along(
 ) -> Float[Array, "n 2"]:
     """Derivative of the position by the place at the nodes: along the normals of the sections, and across by shear."""
     fields = _fields_of(c, rule)
-    found = (length + rule.elongations @ fields[ELONGATION])[:, None] * directions
+    slopes = (length + rule.elongations @ fields[ELONGATION])[:, None] * directions
     if rule.shears is None:
-        return found
+        return slopes
     across = jnp.stack([-directions[:, 1], directions[:, 0]], axis=-1)
-    return found + (rule.shears @ fields[SHEAR])[:, None] * across
+    return slopes + (rule.shears @ fields[SHEAR])[:, None] * across
 
 
 def _length(ref: Reference, curvature: Scalar | CurvedLine | None) -> Float[Array, ""]:
-    return beam_length(beams.beam_length(ref), curvature)
+    return curved_length(beams.beam_length(ref), curvature)
 
 
 def _bent(
@@ -238,12 +238,14 @@ def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
         turn = turn + at_ends[0, 2]
     turns = jnp.concatenate([turn, _fields_of(c, rule)[CURVATURE]])
     masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
-    sums = [(of.T * masses[:, k]) @ of for k, of in enumerate((_beside_one(rule.along), _beside_one(rule.angles)))]
+    sums = [
+        (matrix.T * masses[:, k]) @ matrix for k, matrix in enumerate((_with_ones(rule.along), _with_ones(rule.angles)))
+    ]
     vectors = jnp.concatenate([p[None], stretched, jnp.stack([turns, jnp.zeros_like(turns)], axis=1)])
     return vectors, block_diag(*sums)
 
 
-def _beside_one(integrals: Float[Array, "n k"] | np.ndarray) -> Float[Array, "n 1+k"]:
+def _with_ones(integrals: Float[Array, "n k"] | np.ndarray) -> Float[Array, "n 1+k"]:
     """Weights of positions or angles at the nodes: 1 for end p, then integrals from end p."""
     return jnp.concatenate([jnp.ones((integrals.shape[0], 1)), jnp.asarray(integrals)], axis=1)
 
@@ -265,7 +267,7 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, f
         masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * length
         n = masses.shape[0] + 1
         pulls = masses[:, :1] * ((fall[0] + rule.along @ fall[1:n]) @ axes)
-        turning = masses[:, 1] * (_beside_one(rule.angles) @ fall[n:, 0])
+        turning = masses[:, 1] * (_with_ones(rule.angles) @ fall[n:, 0])
         levers = rule.along @ stretched
         if (at_ends := _jumps(c, rule)) is not None:
             levers = levers + at_ends[0, :2]
@@ -290,7 +292,7 @@ def _shape(*nodes: Array, ref, place, order, shear=False, section=None, curvatur
     return p + axes @ _to_place(c, length, order, shear, section, curvature, place)[1]
 
 
-def _passage(*nodes: Array, ref, order, shear, section=None, curvature=None):
+def _end_pose(*nodes: Array, ref, order, shear, section=None, curvature=None):
     """Pose of end q relative to end p."""
     c = nodes[-1]
     length = _length(ref, curvature)
@@ -301,10 +303,10 @@ def _passage(*nodes: Array, ref, order, shear, section=None, curvature=None):
 
 def _check(*, ref, order, shear, section=None, curvature=None) -> list[str]:
     faults = beams.check_length(ref=ref) or check_curvature(ref, curvature)
-    faults = faults or check_section(section, ref, curvature, nodes_of(order))
+    faults = faults or check_section(section, ref, curvature, gauss_nodes(order))
     if section is None or faults:
         return faults
-    return check_shear(shear, numbers_of(section, ref, curvature).shear_z)
+    return check_shear(shear, section_rigidities(section, ref, curvature).shear_z)
 
 
 spectral_beam = Element(
@@ -315,7 +317,7 @@ spectral_beam = Element(
     resultants=_resultants,
     thermal=_thermal,
     shape=_shape,
-    passage=_passage,
+    passage=_end_pose,
     check=_check,
     series=_fields,
     lengths=(ELONGATION, SHEAR),

@@ -13,7 +13,7 @@ from ..math.quadrature import gauss, legendre_coefficients, legendre_values, lob
 from ..math.rigid import Chain, chain, compose_turns, screw_line, screws
 from ..math.rotation import CONJUGATE, CROSS, initial_frame, rotation_matrix, turned
 from . import beams
-from .curves import CurvedLine, beam_length, curvature_at, steps_of, turns_of_ends
+from .curves import CurvedLine, curvature_at, curved_length, pose_steps, turns_of_ends
 from .element import Element
 from .general import General
 from .leaf import Leaf
@@ -27,9 +27,9 @@ from .spectral import (
     check_section,
     check_shear,
     fields_after,
-    numbers_of,
     pieces_of,
     rigidities,
+    section_rigidities,
     series_matrix,
     strains,
     thermal_series,
@@ -71,7 +71,7 @@ def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
 
 def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
     # Steps in each piece.
-    steps = steps_of(order)
+    steps = pose_steps(order)
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     # Three Gauss nodes in each step, or one for constant strains. A varying section uses DENSE nodes first: the strains
@@ -107,7 +107,7 @@ def _count(shear: bool) -> int:
 
 
 def _length(ref: Reference, curvature: Float[Array, "3"] | CurvedLine | None, order: int) -> Float[Array, ""]:
-    return beam_length(beams.beam_length(ref), curvature, steps_of(order))
+    return curved_length(beams.beam_length(ref), curvature, pose_steps(order))
 
 
 def _frames(
@@ -124,22 +124,22 @@ def _frames(
     at_p, at_q = turned(rot_p, ref.rot_p, frame), turned(rot_q, ref.rot_q, frame)
     if curvature is None:
         return at_p, at_q
-    first, last = turns_of_ends(curvature, length, steps_of(order))
+    first, last = turns_of_ends(curvature, length, pose_steps(order))
     return at_p @ rotation_matrix(first).T, at_q @ rotation_matrix(last)
 
 
 def _poses(c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, curvature: Any) -> Chain:
     """Poses at the ends of the steps, relative to the first end; with compliant ends also the poses beyond them."""
-    own = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
+    rates = (rule.basis.reshape(-1, c.size) @ c).reshape(rule.basis.shape[:3]) / length + np.eye(6)[3]
     if curvature is None and rule.basis.shape[1] == 1:
         # Constant strains are one screw motion.
         ends = np.tri(rule.lengths.size + 1, rule.lengths.size, -1) @ rule.lengths
-        return screw_line(own[0, 0] * length, ends)
+        return screw_line(rates[0, 0] * length, ends)
     if curvature is not None:
         starts = np.tri(rule.lengths.size, k=-1) @ rule.lengths
         places = (starts[:, None] + jnp.asarray(rule.lengths)[:, None] * gauss(3)[0]).ravel()
-        own = own + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3))).reshape(-1, 3, 6)
-    motions = screws(own * length, rule.lengths)
+        rates = rates + jnp.pad(curvature_at(curvature, places), ((0, 0), (0, 3))).reshape(-1, 3, 6)
+    motions = screws(rates * length, rule.lengths)
     if (jumps := getattr(rule, "jumps", None)) is not None:
         at_ends = jumps @ c
         motions = jnp.concatenate([at_ends[:1], motions, at_ends[1:]])
@@ -228,8 +228,8 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
     force, moment = jnp.split(sigma[:6], 2)
     moment = at_p.T @ (at_q @ moment) + jnp.cross(at_p.T @ (q - p), force)
     if fall is not None:
-        rule, own = _rule(order, shear, section, length), {"order": order, "shear": shear, "y": y}
-        vectors, _ = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, curvature=curvature, **own)
+        rule, options = _rule(order, shear, section, length), {"order": order, "shear": shear, "y": y}
+        vectors, _ = _inertia(p, rot_p, q, rot_q, c, ref=ref, section=section, curvature=curvature, **options)
         mass, second = _masses(section, rule, length)
         n = rule.weights.size
         pulls = mass[:, None] * (fall[:n] @ at_p)
@@ -260,7 +260,7 @@ def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvat
     return p + at_p @ _poses(c, length, _rule(order, shear, section, length, place), curvature).places[-1]
 
 
-def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
+def _end_pose(*nodes: Array, ref, order, shear, section=None, y=None, curvature=None):
     """Pose of end q relative to end p; its Euler parameters have no jump of sign at a full turn."""
     c = nodes[-1]
     length = _length(ref, curvature, order)
@@ -270,7 +270,7 @@ def _passage(*nodes: Array, ref, order, shear, section=None, y=None, curvature=N
     # Matrix on the Euler parameters of the turn; it does not depend on the deformation.
     units = jnp.eye(4)
     if curvature is not None:
-        first, last = turns_of_ends(curvature, length, steps_of(order))
+        first, last = turns_of_ends(curvature, length, pose_steps(order))
         axes = axes @ rotation_matrix(first).T
         units = compose_turns(compose_turns(first * CONJUGATE, units), last * CONJUGATE)
     # From axes of the undeformed beam to global axes, and from the reference of p to the reference of q.
@@ -286,8 +286,8 @@ def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
         return faults
     if isinstance(section, General):
         return []
-    own = numbers_of(section, ref, curvature)
-    return check_shear(shear, own.shear_y, own.shear_z)
+    numbers = section_rigidities(section, ref, curvature)
+    return check_shear(shear, numbers.shear_y, numbers.shear_z)
 
 
 spectral_beam = Element(
@@ -298,7 +298,7 @@ spectral_beam = Element(
     resultants=_resultants,
     thermal=_thermal,
     shape=_shape,
-    passage=_passage,
+    passage=_end_pose,
     check=_check,
     series=_fields,
     lengths=(0, 4, 5),

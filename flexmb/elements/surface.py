@@ -62,13 +62,15 @@ def torsion_stress(
     # 1/cosh decays at least as exp(-n pi/2), 1 - tanh as its square. Both are zero to round-off beyond n half = 300.
     n = np.arange(1.0, 13, 2)
     longer = 1 - 8 / jnp.pi**2 * jnp.sum(1 / (n**2 * jnp.cosh(jnp.minimum(n * half, 300.0))))
-    rest = (jnp.tanh(n * half) - 1) @ ((-1) ** (n // 2) / n**2)
-    shorter = 8 / jnp.pi**2 * (CATALAN + rest)
+    correction = (jnp.tanh(n * half) - 1) @ ((-1) ** (n // 2) / n**2)
+    shorter = 8 / jnp.pi**2 * (CATALAN + correction)
     on_longer, on_shorter = longer * t / torsion_constant, shorter * t / torsion_constant
     return jnp.where(flat, on_shorter, on_longer), jnp.where(flat, on_longer, on_shorter)
 
 
-def rectangle(width: Scalar, thickness: Scalar, torsion_constant: Scalar, resultants: Float[Array, "6"]) -> Stress:
+def rectangle_stress(
+    width: Scalar, thickness: Scalar, torsion_constant: Scalar, resultants: Float[Array, "6"]
+) -> Stress:
     """Stress at the points of :data:`RECTANGLE` of a solid rectangle.
 
     Source: N/A + My z/Iy - Mz y/Iz; V Q/(I b); :func:`torsion_stress`.

@@ -30,9 +30,9 @@ class TiePart(NamedTuple):
 def _part_deformations(part: TiePart, x: Float[Array, "n_x"], ref: Float[Array, "n_x"], properties: dict[str, Any]):
     """Deformations of the elements of a part, (elements, n)."""
 
-    def one(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
-        at, start = (jnp.split(whole, part.splits) for whole in (x, ref))
-        named: dict[str, Any] = part.element.arguments(part.element.deformation, {**dict(part.options), **own}) or {}
+    def one(x: Float[Array, "c"], ref: Float[Array, "c"], values: dict[str, Any]):
+        at, start = (jnp.split(vector, part.splits) for vector in (x, ref))
+        named: dict[str, Any] = part.element.arguments(part.element.deformation, {**dict(part.options), **values}) or {}
         return part.element.deformation(*at, ref=part.element.reference(start), **named)
 
     rows = jnp.array(part.rows)
@@ -56,9 +56,10 @@ def tie(parts: tuple[TiePart, ...], size: int, dimension: int) -> Element:
         of: tuple,
     ) -> Float[Array, "n"]:
         """Weighted sums of deformations. Returns (n,) [m, rad]. Source: Definition."""
-        found = [
-            _part_deformations(part, coordinates, ref[0], own).ravel() for part, own in zip(parts, of, strict=True)
+        deformations = [
+            _part_deformations(part, coordinates, ref[0], properties).ravel()
+            for part, properties in zip(parts, of, strict=True)
         ]
-        return weights @ jnp.concatenate(found)
+        return weights @ jnp.concatenate(deformations)
 
     return Element(tied)

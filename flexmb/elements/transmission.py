@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import as_floats, holds
-from ..math.rotation import angle_between, counted, rotation_plane
+from ..math.rotation import angle_between, nearest_turn, rotation_plane
 from . import beams
 from .element import Element
 from .nodes import Angle, Point2, Reference
@@ -23,7 +23,7 @@ def _gear(
 ) -> Float[Array, "2"]:
     """Rotation mismatch of two meshing gears, seen at gear p, and turn of gear p relative to the line of centres."""
     turn = rot_p[0] - ref.rot_p[0]
-    turn_p = counted(turn - angle_between(ref.q - ref.p, q - p), near[1])
+    turn_p = nearest_turn(turn - angle_between(ref.q - ref.p, q - p), near[1])
     turn_q = turn_p + (rot_q[0] - ref.rot_q[0]) - turn
     return jnp.stack([turn_p + ratio * turn_q, turn_p])
 
@@ -79,10 +79,10 @@ def _turns(
     p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, near: Float[Array, ""], radius_p: Scalar, radius_q: Scalar
 ):
     """Elongation of the straight part, and turn of pulley p relative to it."""
-    before, angle_before = _span(ref.q - ref.p, radius_p, radius_q)
-    now, angle = _span(q - p, radius_p, radius_q)
+    length_before, angle_before = _span(ref.q - ref.p, radius_p, radius_q)
+    length, angle = _span(q - p, radius_p, radius_q)
     turned = angle_between(ref.q - ref.p, q - p) + angle - angle_before
-    return now - before, counted(rot_p[0] - ref.rot_p[0] - turned, near)
+    return length - length_before, nearest_turn(rot_p[0] - ref.rot_p[0] - turned, near)
 
 
 def _belt(
@@ -119,8 +119,8 @@ def _belt_dissipation(e: Array, ed: Array, *, ref, damping: Damping, radius_p, r
 
 def _check_belt(*, ref, radius_p, radius_q, section=None) -> list[str]:
     faults = _check_centres(ref=ref)
-    apart = as_floats(ref.q) - as_floats(ref.p)
-    if not faults and not holds((as_floats(radius_q) - as_floats(radius_p)) ** 2 < (apart**2).sum(axis=-1)):
+    distance = as_floats(ref.q) - as_floats(ref.p)
+    if not faults and not holds((as_floats(radius_q) - as_floats(radius_p)) ** 2 < (distance**2).sum(axis=-1)):
         faults = ["has pulleys that overlap: no straight part of the belt is left between them"]
     if section is not None and not holds(as_floats(section.rigidity().mass) == 0):
         faults = [*faults, "has a section with mass, but no mass is counted here: put it on the nodes"]
@@ -132,8 +132,8 @@ def _belt_shape(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, place, r
     d = q - p
     _, angle = _span(d, radius_p, radius_q)
     tangent = rotation_plane(angle) @ (d / jnp.sqrt(d @ d))
-    left = jnp.stack([-tangent[1], tangent[0]])
-    leaving, arriving = p + radius_p * left, q + radius_q * left
+    normal = jnp.stack([-tangent[1], tangent[0]])
+    leaving, arriving = p + radius_p * normal, q + radius_q * normal
     along = leaving + jnp.clip(3 * place - 1, 0.0, 1.0) * (arriving - leaving)
     after = jnp.where(place > 2 / 3, _around(q, arriving, 3 * place - 2), along)
     return jnp.where(place < 1 / 3, _around(p, leaving, 3 * place), after)

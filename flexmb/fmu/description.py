@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import __version__
-from ..errors import clean
+from ..errors import printable
 from .plant import Plant, Variable
 
 # Exponents of base units.
@@ -51,7 +51,7 @@ ROLES = {
 }
 
 
-def placed(plant: Plant, settable: bool) -> list[Placed]:
+def ordered_variables(plant: Plant, settable: bool) -> list[Placed]:
     """All variables of a unit in the order of core.c, with matrices if they are settable."""
     parameters = list(plant.parameters)
     if plant.times is not None:
@@ -60,39 +60,39 @@ def placed(plant: Plant, settable: bool) -> list[Placed]:
         # A linear plant has one of each matrix, without an index.
         linear = plant.times is None
         parameters += [Variable(name, start=m[0] if linear else m) for name, m in plant.matrices.items() if m.size]
-    found = [Placed(Variable("time", "s"), 0, "time")]
+    placed_variables = [Placed(Variable("time", "s"), 0, "time")]
 
     def follow(kind: str, variables: Sequence[Variable]):
         for v in variables:
-            last = found[-1]
-            found.append(Placed(v, last.reference + np.size(last.variable.start), kind))
+            last = placed_variables[-1]
+            placed_variables.append(Placed(v, last.reference + np.size(last.variable.start), kind))
 
     for kind, variables in (("input", plant.inputs), ("state", plant.states), ("parameter", parameters)):
         follow(kind, variables)
-    states = [variable for variable in found if variable.kind == "state"]
+    states = [variable for variable in placed_variables if variable.kind == "state"]
     follow("rate", [Variable(f"der({state.variable.name})", _rate(state.variable.unit)) for state in states])
     rates = iter([state.reference for state in states])
-    found = [each._replace(of=next(rates)) if each.kind == "rate" else each for each in found]
+    placed_variables = [entry._replace(of=next(rates)) if entry.kind == "rate" else entry for entry in placed_variables]
     follow("output", plant.outputs)
-    return found
+    return placed_variables
 
 
 def _rate(unit: str) -> str:
     return {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}.get(unit, "")
 
 
-def check_names(plant: Plant, found: list[Placed]) -> None:
+def check_unique_names(plant: Plant, found: list[Placed]) -> None:
     """Refuse repeated names, also of the entries of arrays, which FMI 2.0 and importers name "A[1,2]"."""
-    outputs = [one for one in found if one.kind == "output"]
-    own = [one for one in found if one.kind == "input"] + outputs[: plant.n_own]
-    others = [one for one in found if one not in own]
+    outputs = [entry for entry in found if entry.kind == "output"]
+    own_entries = [entry for entry in found if entry.kind == "input"] + outputs[: plant.n_own]
+    others = [entry for entry in found if entry not in own_entries]
     kinds: dict[str, str] = {}
-    for one in [*others, *(entry for entry in scalars(found) if entry.kind == "parameter"), *own]:
-        name, kind = one.variable.name, one.kind
+    for entry in [*others, *(scalar for scalar in scalars(found) if scalar.kind == "parameter"), *own_entries]:
+        name, kind = entry.variable.name, entry.kind
         if name in kinds and kind != "parameter":
             builder = "" if kind == "state" else f"`name` of Builder.{kind}, or "
             raise ValueError(
-                f"The {kind} '{clean(name)}' shares its name with the unit's {kinds[name]}. Rename the {kind}, by"
+                f"The {kind} '{printable(name)}' shares its name with the unit's {kinds[name]}. Rename the {kind}, by"
                 f" {builder}`{kind}s` of control.StateSpace."
             )
         kinds[name] = kind
@@ -100,28 +100,28 @@ def check_names(plant: Plant, found: list[Placed]) -> None:
 
 def scalars(found: list[Placed]) -> Iterator[Placed]:
     """The same with each entry of an array as a variable, "A[1,2]"."""
-    for one in found:
-        if np.ndim(one.variable.start) == 0:
-            yield one
+    for entry in found:
+        if np.ndim(entry.variable.start) == 0:
+            yield entry
             continue
-        start = np.asarray(one.variable.start)
+        start = np.asarray(entry.variable.start)
         for i, index in enumerate(np.ndindex(start.shape)):
-            name = f"{one.variable.name}[{','.join(str(k + 1) for k in index)}]"
-            yield Placed(Variable(name, one.variable.unit, float(start[index])), one.reference + i, one.kind)
+            name = f"{entry.variable.name}[{','.join(str(k + 1) for k in index)}]"
+            yield Placed(Variable(name, entry.variable.unit, float(start[index])), entry.reference + i, entry.kind)
 
 
-def _attributes(one: Placed, of: int) -> dict[str, str]:
+def _attributes(entry: Placed, of: int) -> dict[str, str]:
     """Attributes of a number in both versions."""
-    v, found = one.variable, {}
-    if one.kind in ("input", "state", "parameter"):
-        found["start"] = " ".join(repr(float(value)) for value in np.ravel(v.start))
+    v, attributes = entry.variable, {}
+    if entry.kind in ("input", "state", "parameter"):
+        attributes["start"] = " ".join(repr(float(value)) for value in np.ravel(v.start))
     if v.unit:
-        found["unit"] = v.unit
-    if one.kind == "rate":
-        found["derivative"] = str(of)
-    if one.kind == "state" and v.nominal != 1.0:
-        found["nominal"] = repr(float(v.nominal))
-    return found
+        attributes["unit"] = v.unit
+    if entry.kind == "rate":
+        attributes["derivative"] = str(of)
+    if entry.kind == "state" and v.nominal != 1.0:
+        attributes["nominal"] = repr(float(v.nominal))
+    return attributes
 
 
 def description(plant: Plant, found: list[Placed], identifier: str, title: str, token: str, fmi: int) -> bytes:
@@ -132,7 +132,7 @@ def description(plant: Plant, found: list[Placed], identifier: str, title: str, 
             "fmiVersion": f"{fmi}.0",
             "modelName": title,
             "guid" if fmi == 2 else "instantiationToken": token,
-            "description": _told(plant),
+            "description": _plant_description(plant),
             "generationTool": f"flexmb {__version__}",
             "variableNamingConvention": "flat",
             **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
@@ -140,7 +140,7 @@ def description(plant: Plant, found: list[Placed], identifier: str, title: str, 
     )
     _interfaces(root, identifier, fmi)
     units = ElementTree.SubElement(root, "UnitDefinitions")
-    for unit in sorted({one.variable.unit for one in found} - {""}):
+    for unit in sorted({entry.variable.unit for entry in found} - {""}):
         base = ElementTree.SubElement(units, "Unit", name=unit)
         if unit in UNITS:
             ElementTree.SubElement(base, "BaseUnit", {k: str(n) for k, n in UNITS[unit].items()})
@@ -150,25 +150,25 @@ def description(plant: Plant, found: list[Placed], identifier: str, title: str, 
         first, last = (repr(float(t)) for t in plant.times[[0, -1]])
         ElementTree.SubElement(root, "DefaultExperiment", startTime=first, stopTime=last)
     variables = ElementTree.SubElement(root, "ModelVariables")
-    places = {one.reference: str(i if fmi == 2 else one.reference) for i, one in enumerate(found, 1)}
-    for one in found:
-        causality, variability, initial = ROLES[one.kind]
+    places = {entry.reference: str(i if fmi == 2 else entry.reference) for i, entry in enumerate(found, 1)}
+    for entry in found:
+        causality, variability, initial = ROLES[entry.kind]
         roles = {"causality": causality, "variability": variability, **({"initial": initial} if initial else {})}
-        named = {"name": one.variable.name, "valueReference": str(one.reference), **roles}
-        if one.variable.description:
-            named["description"] = one.variable.description
-        number = _attributes(one, int(places[one.of]))
+        named = {"name": entry.variable.name, "valueReference": str(entry.reference), **roles}
+        if entry.variable.description:
+            named["description"] = entry.variable.description
+        number = _attributes(entry, int(places[entry.of]))
         if fmi == 2:
             ElementTree.SubElement(ElementTree.SubElement(variables, "ScalarVariable", named), "Real", number)
         else:
             element = ElementTree.SubElement(variables, "Float64", {**named, **number})
-            for size in np.shape(one.variable.start):
+            for size in np.shape(entry.variable.start):
                 ElementTree.SubElement(element, "Dimension", start=str(size))
     _structure(root, plant, found, places, fmi)
     return _written(root)
 
 
-def _told(plant: Plant) -> str:
+def _plant_description(plant: Plant) -> str:
     if plant.source:
         return "Nonlinear mechanism"
     if plant.times is not None:
@@ -185,37 +185,39 @@ def _interfaces(root: ElementTree.Element, identifier: str, fmi: int) -> None:
     small = dict.fromkeys([*abilities, *["canNotUseMemoryManagementFunctions"] * (fmi == 2)], "true")
     not_needed = {"completedIntegratorStepNotNeeded": "true"} if fmi == 2 else {}
     of_kinds = {"ModelExchange": not_needed, "CoSimulation": {"canHandleVariableCommunicationStepSize": "true"}}
-    for kind, own in of_kinds.items():
-        element = ElementTree.SubElement(root, kind, {"modelIdentifier": identifier, **small, **own})
+    for kind, attributes in of_kinds.items():
+        element = ElementTree.SubElement(root, kind, {"modelIdentifier": identifier, **small, **attributes})
         if fmi == 2:
             files = ElementTree.SubElement(element, "SourceFiles")
             ElementTree.SubElement(files, "File", name="fmi2.c")
 
 
-def _structure(root: ElementTree.Element, plant: Plant, found: list[Placed], places: dict[int, str], fmi: int) -> None:
+def _structure(
+    root: ElementTree.Element, plant: Plant, placed_variables: list[Placed], places: dict[int, str], fmi: int
+) -> None:
     """Outputs and rates, and their dependencies: without D outputs depend on no input."""
 
-    def of(kind: str):
-        return [one for one in found if one.kind == kind]
+    def of_kind(kind: str):
+        return [entry for entry in placed_variables if entry.kind == kind]
 
-    known = [*of("time")] if plant.times is not None or plant.source else []
+    known = [*of_kind("time")] if plant.times is not None or plant.source else []
     if "D" in plant.matrices or plant.source:
-        known += of("input")
-    known += of("state")
+        known += of_kind("input")
+    known += of_kind("state")
     nominal = range(plant.n_own, plant.n_own + plant.n_nominal)
     structure = ElementTree.SubElement(root, "ModelStructure")
-    outputs, rates = of("output"), of("rate")
+    outputs, rates = of_kind("output"), of_kind("rate")
     # Nominal inputs and outputs are functions of time.
-    of_outputs = [(one, of("time") if i in nominal else known) for i, one in enumerate(outputs)]
-    unknowns = sorted([*outputs, *rates], key=lambda one: one.reference)
+    of_outputs = [(entry, of_kind("time") if i in nominal else known) for i, entry in enumerate(outputs)]
+    unknowns = sorted([*outputs, *rates], key=lambda entry: entry.reference)
     for group, tag, entries in (
         ("Outputs", "Output", of_outputs),
-        ("Derivatives", "ContinuousStateDerivative", [(one, None) for one in rates]),
-        ("InitialUnknowns", "InitialUnknown", [(one, None) for one in unknowns]),
+        ("Derivatives", "ContinuousStateDerivative", [(entry, None) for entry in rates]),
+        ("InitialUnknowns", "InitialUnknown", [(entry, None) for entry in unknowns]),
     ):
         parent = ElementTree.SubElement(structure, group) if fmi == 2 else structure
-        for one, depends_on in entries:
-            attributes = {"index" if fmi == 2 else "valueReference": places[one.reference]}
+        for entry, depends_on in entries:
+            attributes = {"index" if fmi == 2 else "valueReference": places[entry.reference]}
             if depends_on is not None:
                 attributes["dependencies"] = " ".join(places[k.reference] for k in depends_on)
             ElementTree.SubElement(parent, "Unknown" if fmi == 2 else tag, attributes)

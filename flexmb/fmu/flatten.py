@@ -80,7 +80,7 @@ class FlatProgram(NamedTuple):
 
 def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
     """Trace a function of arrays and open all calls; ModelError if it calls back to Python."""
-    program = jax.make_jaxpr(function)(*(jax.typeof(one) for one in like))
+    program = jax.make_jaxpr(function)(*(jax.typeof(array) for array in like))
     refuse_callbacks(program.jaxpr)
     opener = _Opener()
     inputs = [_atom(v, 1) for v in program.jaxpr.invars]
@@ -91,12 +91,12 @@ def flattened(function: Callable[..., Any], *like: Any) -> FlatProgram:
 
 def read_by(equations: list[Equation], also: list[Atom]) -> list[Atom]:
     """Values that equations or their bodies read, and more values, each once, in order."""
-    found: dict[Atom, None] = {}
+    atoms: dict[Atom, None] = {}
     for equation in equations:
-        found.update(dict.fromkeys(equation.inputs))
+        atoms.update(dict.fromkeys(equation.inputs))
         for block in equation.blocks:
-            found.update(dict.fromkeys(read_by(block.equations, block.outputs)))
-    return list(dict.fromkeys([*found, *also]))
+            atoms.update(dict.fromkeys(read_by(block.equations, block.outputs)))
+    return list(dict.fromkeys([*atoms, *also]))
 
 
 class _Opener:
@@ -127,19 +127,19 @@ class _Opener:
         for variables, atoms in ((jaxpr.constvars, map(self.constant, constants)), (jaxpr.invars, arguments)):
             place.update(zip(variables, atoms, strict=True))
 
-        def read(one: Any) -> Atom:
+        def read(atom: Any) -> Atom:
             # A Python number has the type of its place.
-            if not isinstance(one, Literal):
-                return place[one]
-            kind: Any = one.aval
-            return self.constant(np.asarray(one.val, kind.dtype))
+            if not isinstance(atom, Literal):
+                return place[atom]
+            kind: Any = atom.aval
+            return self.constant(np.asarray(atom.val, kind.dtype))
 
         for equation in jaxpr.eqns:
             self.callers.append(equation)
-            results = self.equation(equation, [read(one) for one in equation.invars])
+            results = self.equation(equation, [read(atom) for atom in equation.invars])
             self.callers.pop()
             place.update(zip(equation.outvars, results, strict=True))
-        return [read(one) for one in jaxpr.outvars]
+        return [read(atom) for atom in jaxpr.outvars]
 
     def equation(self, equation: Any, inputs: list[Atom]) -> list[Atom]:
         """Results of one equation of the trace."""
@@ -151,29 +151,29 @@ class _Opener:
             return self.opened(getattr(inner, "jaxpr", inner), getattr(inner, "consts", ()), inputs)
         if name == "call_hi_primitive":
             # JAX from 0.12 on opens some functions, such as jnp.searchsorted, late.
-            like = [jax.ShapeDtypeStruct(one.shape, one.dtype) for one in inputs]
-            inner = jax.make_jaxpr(lambda *given: jax.tree.leaves(params["_prim"].expand(*given)))(*like)
+            like = [jax.ShapeDtypeStruct(entry.shape, entry.dtype) for entry in inputs]
+            inner = jax.make_jaxpr(lambda *values: jax.tree.leaves(params["_prim"].expand(*values)))(*like)
             return self.opened(inner.jaxpr, inner.consts, inputs)
         if name == "platform_index":
-            names = [("cpu" in one) if one else True for one in params["platforms"]]
+            names = [("cpu" in entry) if entry else True for entry in params["platforms"]]
             return [self.constant(np.int32(names.index(True)))]
         if name == "custom_linear_solve":
             # Only derivatives need the product that it inverts.
             lengths, inner = params["const_lengths"], params["jaxprs"].solve
             first = lengths.matvec + lengths.vecmat
-            own, right = inputs[first : first + lengths.solve], inputs[sum(lengths) :]
-            return self.opened(inner.jaxpr, inner.consts, own + right)
+            solve_inputs, right = inputs[first : first + lengths.solve], inputs[sum(lengths) :]
+            return self.opened(inner.jaxpr, inner.consts, solve_inputs + right)
         if name == "cond" and inputs[0] in self.values:
             branches = params["branches"]
-            taken = branches[int(np.clip(self.values[inputs[0]], 0, len(branches) - 1))]
-            return self.opened(taken.jaxpr, taken.consts, inputs[1:])
-        if name in (*LOOPS, "cond") and any(one.depth for one in inputs):
+            branch = branches[int(np.clip(self.values[inputs[0]], 0, len(branches) - 1))]
+            return self.opened(branch.jaxpr, branch.consts, inputs[1:])
+        if name in (*LOOPS, "cond") and any(entry.depth for entry in inputs):
             return self.structured(name, params, inputs, equation)
         return self.placed(name, params, inputs, equation)
 
     def placed(self, name: str, params: dict, inputs: list[Atom], origin: Any, blocks: tuple = ()) -> list[Atom]:
         """Append an equation to its list, unless an equal one exists."""
-        depth = max((one.depth for one in inputs), default=0)
+        depth = max((atom.depth for atom in inputs), default=0)
         if depth:
             depth = max(depth, self.floors[-1])
         if blocks:
@@ -194,7 +194,7 @@ class _Opener:
     def structured(self, name: str, params: dict, inputs: list[Atom], origin: Any) -> list[Atom]:
         """A loop or branch with its bodies opened."""
         if name == "cond":
-            blocks = tuple(self.block(one, inputs[1:], branch=True) for one in params["branches"])
+            blocks = tuple(self.block(branch, inputs[1:], branch=True) for branch in params["branches"])
             return self.placed(name, {}, inputs[:1], origin, blocks)
         if name == "scan":
             if "ft_in" in params:
@@ -203,8 +203,8 @@ class _Opener:
             else:
                 fixed, carried = params["num_consts"], params["num_carry"]
             body = self.block(params["jaxpr"], inputs[:fixed])
-            kept = {"length": params["length"], "reverse": params["reverse"], "num_carry": carried}
-            return self.placed(name, kept, inputs[fixed:], origin, (body,))
+            options = {"length": params["length"], "reverse": params["reverse"], "num_carry": carried}
+            return self.placed(name, options, inputs[fixed:], origin, (body,))
         first, second = params["cond_nconsts"], params["cond_nconsts"] + params["body_nconsts"]
         carry = inputs[second:]
         unfinished = self.block(params["cond_jaxpr"], inputs[:first])
@@ -225,62 +225,62 @@ class _Opener:
 
     def numbers(self, wanted: list[Atom]) -> dict[Atom, np.ndarray]:
         """Numbers of values that follow from constants."""
-        wanted = [one for one in wanted if not one.depth]
-        later = [one for one in wanted if one not in self.values]
+        wanted = [atom for atom in wanted if not atom.depth]
+        later = [atom for atom in wanted if atom not in self.values]
         equations = _needed(self.early, set(later))
-        given = [one for one in read_by(equations, []) if one in self.values]
+        known_atoms = [atom for atom in read_by(equations, []) if atom in self.values]
 
         def work_out(numbers: list) -> list:
-            at = dict(zip(given, numbers, strict=True))
+            at = dict(zip(known_atoms, numbers, strict=True))
             for equation in equations:
                 primitive = equation.origin[0].primitive
                 options = primitive.get_bind_params(equation.params)
-                found = primitive.bind(*[at[one] for one in equation.inputs], **options)
-                found = found if primitive.multiple_results else [found]
-                at.update(zip(equation.outputs, found, strict=True))
-            return [at[one] for one in later]
+                results = primitive.bind(*[at[atom] for atom in equation.inputs], **options)
+                results = results if primitive.multiple_results else [results]
+                at.update(zip(equation.outputs, results, strict=True))
+            return [at[atom] for atom in later]
 
         # The captured numbers belong to this program: the trace is never kept on disk.
         run = jax.jit(work_out, compiler_options=QUICK)
         with one_thread():
-            found = run([jnp.asarray(self.values[one]) for one in given]) if later else []
-        computed = {one: np.asarray(number) for one, number in zip(later, found, strict=True)}
-        return {one: computed[one] if one in computed else self.values[one] for one in wanted}
+            later_numbers = run([jnp.asarray(self.values[atom]) for atom in known_atoms]) if later else []
+        computed = {atom: np.asarray(number) for atom, number in zip(later, later_numbers, strict=True)}
+        return {atom: computed[atom] if atom in computed else self.values[atom] for atom in wanted}
 
 
-def _needed(equations: list[Equation], wanted: set[Atom]) -> list[Equation]:
+def _needed(equations: list[Equation], needed_atoms: set[Atom]) -> list[Equation]:
     """Equations for wanted values, also in loops and branches; ``wanted`` grows by their inputs."""
-    found = []
+    needed_equations = []
     for equation in reversed(equations):
-        if not wanted.intersection(equation.outputs):
+        if not needed_atoms.intersection(equation.outputs):
             continue
         blocks = []
         for block in equation.blocks:
-            wanted.update(block.outputs)
-            blocks.append(block._replace(equations=_needed(block.equations, wanted)))
-        wanted.update(equation.inputs)
-        found.append(equation._replace(blocks=tuple(blocks)))
-    return found[::-1]
+            needed_atoms.update(block.outputs)
+            blocks.append(block._replace(equations=_needed(block.equations, needed_atoms)))
+        needed_atoms.update(equation.inputs)
+        needed_equations.append(equation._replace(blocks=tuple(blocks)))
+    return needed_equations[::-1]
 
 
 def _signature(block: Body) -> tuple:
     """Equal for bodies that do the same with outer values."""
     places: dict[Atom, Any] = {atom: i for i, atom in enumerate(block.inputs)}
-    found: list[Any] = [len(block.inputs)]
+    parts: list[Any] = [len(block.inputs)]
     for equation in block.equations:
         inner = tuple(map(_signature, equation.blocks))
         inputs = tuple(places.get(atom, atom) for atom in equation.inputs)
         meaning = _meaning(equation.params)
-        found.append((equation.name, id(equation) if meaning is None else meaning, inner, inputs))
+        parts.append((equation.name, id(equation) if meaning is None else meaning, inner, inputs))
         for atom in equation.outputs:
             places[atom] = len(places)
-    return (*found, tuple(places.get(atom, atom) for atom in block.outputs))
+    return (*parts, tuple(places.get(atom, atom) for atom in block.outputs))
 
 
 def _meaning(params: dict[str, Any]) -> Any:
     """Equal for equal options; None if they cannot be compared."""
     try:
-        key = tuple((name, repr(one), one) for name, one in sorted(params.items()))
+        key = tuple((name, repr(value), value) for name, value in sorted(params.items()))
         hash(key)
     except TypeError:
         return None
@@ -296,29 +296,31 @@ def _programs(jaxpr: Jaxpr) -> Iterator[Any]:
                 yield from _programs(getattr(parameter, "jaxpr", parameter))
 
 
-def _is_program(thing: Any) -> bool:
-    return isinstance(thing, ClosedJaxpr | Jaxpr)
+def _is_program(value: Any) -> bool:
+    return isinstance(value, ClosedJaxpr | Jaxpr)
 
 
 def refuse_callbacks(jaxpr: Jaxpr) -> None:
     """Raise ModelError with the names of Python functions that a program calls."""
-    found: dict[str, None] = {}
+    callbacks: dict[str, None] = {}
     for equation in _programs(jaxpr):
         if "callback" in equation.primitive.name:
             called = equation.params.get("callback")
             called = getattr(called, "callback_func", called)
             name = getattr(called, "__name__", type(called).__name__)
-            found[f"{equation.primitive.name} of `{name}`{origin_of([equation])}"] = None
-    if found:
+            callbacks[f"{equation.primitive.name} of `{name}`{origin_of([equation])}"] = None
+    if callbacks:
         raise ModelError(
-            f"C cannot call back to Python, but the model does: {'; '.join(found)}. Write these functions with"
+            f"C cannot call back to Python, but the model does: {'; '.join(callbacks)}. Write these functions with"
             " jax.numpy, or remove prints."
         )
 
 
 def origin_of(equations: Sequence[Any]) -> str:
     """Where the first equation was written, which the others called, as " in law, springs.py:12"; "" if not known."""
-    traces = [getattr(one.source_info, "traceback", None) for one in [*equations[:1], *reversed(equations[1:])]]
+    traces = [
+        getattr(equation.source_info, "traceback", None) for equation in [*equations[:1], *reversed(equations[1:])]
+    ]
     for frame in (frame for trace in traces if trace is not None for frame in trace.frames):
         parts = frame.file_name.replace("\\", "/").split("/")
         name = frame.function_name.rpartition("<locals>.")[2]

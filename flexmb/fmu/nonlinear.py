@@ -74,7 +74,9 @@ def plant(
 
     like = jnp.zeros(()), jnp.zeros(2 * n_q), jnp.zeros(n_u), jnp.asarray(memory)
     unit = Unit()
-    done = unit.add("plant_rates", rates, like, ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap"), static=True)
+    translation = unit.add(
+        "plant_rates", rates, like, ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap"), static=True
+    )
     freedoms = freedoms_in_memory(model)
     bends = kinks_of(coordinates_form(topology, model.parameters, driven)) is not None
     lists = {"FROM": freedoms.origins.tolist(), "SIZE": freedoms.sizes.tolist()}
@@ -83,7 +85,7 @@ def plant(
         f"static const int DOF_AT[] = {{{', '.join(map(str, freedoms.places.tolist()))}}};\n"
         + "".join(f"static const double DOF_{n}[] = {{{', '.join(map(repr, v))}}};\n" for n, v in lists.items())
     )
-    (w, n), m = done.work, memory.size
+    (w, n), m = translation.work, memory.size
     numbers = {"WORK": w, "MEMORY": m, "X": 2 * n_q, "Q": n_q}
     numbers |= {"FOUND": DEPENDENT_FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
     defined = "\n".join(f"#define PLANT_{name} {value!r}" for name, value in numbers.items())

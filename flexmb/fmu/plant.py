@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import numbers, shown
+from ..arguments import numbers, short_repr
 from ..control.state_space import state_matrices
 from ..display import unit_of
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from ..linear.about import asked_about
 from ..linear.linearize import Linearization
 from ..model.model import Model
@@ -50,7 +50,7 @@ class Plant(NamedTuple):
 
     Attributes:
         inputs: Inputs in order.
-        outputs: Outputs in order; :func:`named_apart` adds nominal inputs and outputs, then absolute positions.
+        outputs: Outputs in order; :func:`with_unique_names` adds nominal inputs and outputs, then absolute positions.
         states: States in order, with their values at the start.
         matrices: A, B, C, D, u0, y0 of a linear or time-varying plant, in this order, (n_t, ..) each, without a zero D,
             and without u0 and y0 of a linear one.
@@ -89,7 +89,7 @@ class Plant(NamedTuple):
         return len(self.outputs) - self.n_nominal - len(self.displacements)
 
 
-def named_apart(plant: Plant) -> Plant:
+def with_unique_names(plant: Plant) -> Plant:
     """Return the plant with unique names: an input and an output with one name both name their kind.
 
     States are named "state q", nominal inputs and outputs "nominal u", absolute positions "absolute y".
@@ -103,7 +103,8 @@ def named_apart(plant: Plant) -> Plant:
         for v in getattr(plant, kind + "s"):
             if not v.name.strip() or re.search(FORBIDDEN, v.name):
                 raise ValueError(
-                    f"The {kind} '{clean(v.name)}' has a name that FMI forbids. Give it one that is not empty, without"
+                    f"The {kind} '{printable(v.name)}' has a name that FMI forbids. Give it one that is not empty,"
+                    " without"
                     " line feeds, tabs or other control characters."
                 )
     inputs, outputs = with_kind("input", plant.inputs), with_kind("output", plant.outputs)
@@ -123,39 +124,39 @@ def modelica(unit: str) -> str:
     return unit.replace(" ", ".").replace("²", "2")
 
 
-def of_mechanism(model: Model | Linearization, modes: Any, bandwidth: Any) -> Plant:
+def mechanism_plant(model: Model | Linearization, modes: Any, bandwidth: Any) -> Plant:
     """Linear plant of a mechanism about its equilibrium, or of its linearisation."""
     about: Any = model
     if isinstance(model, Model):
         few = modes is not None or bandwidth is not None
         about = asked_about(model, "save_fmu", few=few)
-    found, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
+    system, names = state_matrices(about, modes=modes, bandwidth=bandwidth)
     labels = model.labels
     if not labels.inputs or not labels.outputs:
         raise ModelError("The model has no inputs or no outputs. Name them with input() and output().")
-    if np.ndim(found.A) > 2:
+    if np.ndim(system.A) > 2:
         raise ModelError(
-            f"This linearisation is along a motion, at {len(found.A)} times. Give lin.at_time(0), or the time-varying"
+            f"This linearisation is along a motion, at {len(system.A)} times. Give lin.at_time(0), or the time-varying"
             " system of the motion."
         )
     whence = "the static equilibrium" if isinstance(model, Model) else "the state of the linearisation"
     inputs, outputs, states = _variables(about.model, names, np.asarray(about.x), whence)
-    return linear(*found, inputs, outputs, states)
+    return linear_plant(*system, inputs, outputs, states)
 
 
 def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
     """SI units of a mechanism by the names of inputs, outputs and states, if known."""
-    return {v.name: v.unit for found in _variables(model, names) for v in found if v.unit and v.name}
+    return {v.name: v.unit for variables in _variables(model, names) for v in variables if v.unit and v.name}
 
 
 def nonlinear(
     model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> Plant:
     """Nonlinear plant of a mechanism in C, from the builder's start values, or undeformed and at rest."""
-    found = translated(model, loads=loads, motion=motion)
-    inputs, outputs, states = _variables(model, found.states, np.asarray(model.parameters.reference), UNDEFORMED)
-    memory = np.asarray(found.memory).tolist()
-    plant = Plant(inputs, outputs, states, source=found.source, memory=memory, work=found.work)
+    translation = translated(model, loads=loads, motion=motion)
+    inputs, outputs, states = _variables(model, translation.states, np.asarray(model.parameters.reference), UNDEFORMED)
+    memory = np.asarray(translation.memory).tolist()
+    plant = Plant(inputs, outputs, states, source=translation.source, memory=memory, work=translation.work)
     at = model.parameters.start
     return plant if at is None else started(plant, np.concatenate(at).tolist())
 
@@ -177,22 +178,24 @@ def _variables(
     return inputs, outputs, tuple(variable(name, units.get(name, ""), NOMINAL_OF_MECHANISM) for name in states)
 
 
-def of_state_space(system: Any) -> Plant:
+def state_space_plant(system: Any) -> Plant:
     """Linear plant of a ``control.StateSpace``, which has names and no units."""
     if system.dt:
         rate = "" if system.dt is True else f" (dt = {system.dt:g} s)"
         raise ValueError(f"This state space is sampled{rate}. Give the continuous system.")
     labels = (system.input_labels, system.output_labels, system.state_labels)
-    return linear(system.A, system.B, system.C, system.D, *([Variable(name) for name in own] for own in labels))
+    return linear_plant(
+        system.A, system.B, system.C, system.D, *([Variable(name) for name in names] for names in labels)
+    )
 
 
-def linear(a: Any, b: Any, c: Any, d: Any, inputs: Any, outputs: Any, states: Any) -> Plant:
+def linear_plant(a: Any, b: Any, c: Any, d: Any, inputs: Any, outputs: Any, states: Any) -> Plant:
     """Linear plant of matrices and names."""
     matrices = {name: np.asarray(m, float)[None] for name, m in zip("ABCD", (a, b, c, d), strict=True)}
     return _checked(Plant(tuple(inputs), tuple(outputs), tuple(states), matrices))
 
 
-def time_varying(system: TimeVarying, substep: float | None) -> Plant:
+def time_varying_plant(system: TimeVarying, substep: float | None) -> Plant:
     """Time-varying plant of a system along a motion, with total inputs and outputs (nominal plus deviation).
 
     The default substep is a quarter of the shortest time between two knots [s].
@@ -206,9 +209,9 @@ def time_varying(system: TimeVarying, substep: float | None) -> Plant:
     inputs = tuple(Variable(name, start=float(at)) for name, at in zip(system.input_labels, starts, strict=True))
     states = tuple(Variable(name) for name in system.state_labels)
     origins = [np.nan] * len(system.output_labels) if system.origins is None else np.asarray(system.origins).tolist()
-    told = f"{MOTION_OF['m']} from {UNDEFORMED}"
+    explanation = f"{MOTION_OF['m']} from {UNDEFORMED}"
     outputs = tuple(
-        Variable(name) if np.isnan(at) else Variable(name, "m", description=told, origin=at)
+        Variable(name) if np.isnan(at) else Variable(name, "m", description=explanation, origin=at)
         for name, at in zip(system.output_labels, origins, strict=True)
     )
     return _checked(Plant(inputs, outputs, states, matrices, t, substep))
@@ -221,8 +224,8 @@ def _checked(plant: Plant) -> Plant:
         if not np.all(np.isfinite(m)):
             place = ", ".join(str(i + 1) for i in np.argwhere(~np.isfinite(m))[0][m.shape[0] == 1 :])
             raise ValueError(f"{name}[{place}] is no finite number. The FMU would return no finite results.")
-    kept = {name: m for name, m in plant.matrices.items() if name != "D" or np.any(m)}
-    return plant._replace(matrices=kept)
+    matrices = {name: m for name, m in plant.matrices.items() if name != "D" or np.any(m)}
+    return plant._replace(matrices=matrices)
 
 
 def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -> Plant:
@@ -230,28 +233,33 @@ def started(plant: Plant, start: Mapping[str, float] | Sequence[float] | None) -
     if start is None:
         return plant
     names = [v.name for v in plant.states]
-    given = dict(start) if isinstance(start, Mapping) else None
-    if given is not None and (unknown := [name for name in given if name not in names]):
+    start_by_name = dict(start) if isinstance(start, Mapping) else None
+    if start_by_name is not None and (unknown := [name for name in start_by_name if name not in names]):
         names_of = ", ".join(names)
-        raise ValueError(f"Argument `start` names '{clean(unknown[0])}', which is no state: there are {names_of}.")
-    values = numbers([given.get(v.name, v.start) for v in plant.states] if given is not None else start)
+        raise ValueError(f"Argument `start` names '{printable(unknown[0])}', which is no state: there are {names_of}.")
+    values = numbers([start_by_name.get(v.name, v.start) for v in plant.states] if start_by_name is not None else start)
     if values is None or values.shape != (len(names),) or not np.all(np.isfinite(values)):
         raise ValueError(
             f"Argument `start` must be {len(names)} finite numbers, one for each state, or a dictionary of them, but is"
-            f" {shown(start)}."
+            f" {short_repr(start)}."
         )
     return plant._replace(states=tuple(v._replace(start=float(at)) for v, at in zip(plant.states, values, strict=True)))
 
 
-def measured(plant: Plant, units: Mapping[str, str] | None) -> Plant:
+def plant_with_units(plant: Plant, units: Mapping[str, str] | None) -> Plant:
     """The plant with units of inputs, outputs and states, by name; raise ValueError for a wrong name or unit."""
     kinds = {kind: getattr(plant, kind) for kind in ("inputs", "outputs", "states")}
-    names = [v.name for found in kinds.values() for v in found]
+    names = [v.name for variables in kinds.values() for v in variables]
     for name, unit in (units or {}).items():
         if name not in names:
-            raise ValueError(f"Argument `units` names '{clean(name)}', which is none of {', '.join(names)}.")
+            raise ValueError(f"Argument `units` names '{printable(name)}', which is none of {', '.join(names)}.")
         if not isinstance(unit, str) or re.search(FORBIDDEN, unit):
-            raise ValueError(f"Argument `units` must give texts such as 'N.m', not {shown(unit)} for '{clean(name)}'.")
-    given = dict(units or {})
-    changed = {kind: tuple(v._replace(unit=given.get(v.name, v.unit)) for v in found) for kind, found in kinds.items()}
+            raise ValueError(
+                f"Argument `units` must give texts such as 'N.m', not {short_repr(unit)} for '{printable(name)}'."
+            )
+    new_units = dict(units or {})
+    changed = {
+        kind: tuple(v._replace(unit=new_units.get(v.name, v.unit)) for v in variables)
+        for kind, variables in kinds.items()
+    }
     return plant._replace(**changed)

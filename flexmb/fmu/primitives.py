@@ -31,15 +31,15 @@ def rule(*names: str):
 # Elementwise
 
 
-def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
+def broadcast_operand(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
     """An operand in the wanted shape, with axes of one entry repeated."""
     if value.shape == shape:
         return value
-    one, missing = w.cheap(value), len(shape) - len(value.shape)
-    own = value.shape
+    operand, missing = w.cheap(value), len(shape) - len(value.shape)
+    value_shape = value.shape
 
     def at(index: list[Place]) -> str:
-        return one.at([place if n > 1 else Place() for place, n in zip(index[missing:], own, strict=True)])
+        return operand.at([place if n > 1 else Place() for place, n in zip(index[missing:], value_shape, strict=True)])
 
     return Lazy(at, 0, shape, value.dtype)
 
@@ -47,7 +47,7 @@ def spread(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
 def mapped(w: Writer, equation: Equation, values: list[Value], write: Callable[..., str]) -> list[Value]:
     """An elementwise operation, by its expression from those of the operands."""
     (out,) = equation.outputs
-    operands = [spread(w, value, out.shape) for value in values]
+    operands = [broadcast_operand(w, value, out.shape) for value in values]
     cost = 1 + sum(operand.cost for operand in operands)
     return [Lazy(lambda index: write(*(operand.at(index) for operand in operands)), cost, out.shape, out.dtype)]
 
@@ -60,12 +60,12 @@ def wrapped(dtype: np.dtype, text: str) -> str:
     return f"(({bits})({text}))"
 
 
-def _by_kind(names: str, decimal: str, whole: str | None = None, truth: str | None = None) -> None:
+def _by_kind(names: str, decimal: str, integer: str | None = None, truth: str | None = None) -> None:
     """Register operations by their C expressions for numbers, integers and truth values."""
 
     def translate(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         dtype = values[-1].dtype
-        template = {"f": decimal, "b": truth or whole}.get(dtype.kind, whole)
+        template = {"f": decimal, "b": truth or integer}.get(dtype.kind, integer)
         if template is None:
             raise NotImplementedError(f"numbers of type {dtype}")
         for word in template.replace("(", " ( ").split():
@@ -210,10 +210,10 @@ def _broadcast(w: Writer, equation: Equation, values: list[Value]) -> list[Value
         for axis, length, stride in zip(axes, x.shape, x.strides, strict=True):
             strides[axis] = stride if length > 1 else 0
         return [x._replace(strides=tuple(strides), shape=out.shape)]
-    own = x.shape
+    x_shape = x.shape
 
     def at(index: list[Place]) -> str:
-        return x.at([index[axis] if n > 1 else Place() for axis, n in zip(axes, own, strict=True)])
+        return x.at([index[axis] if n > 1 else Place() for axis, n in zip(axes, x_shape, strict=True)])
 
     return [Lazy(at, x.cost, out.shape, out.dtype)]
 
@@ -230,19 +230,19 @@ def in_shape(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
     if isinstance(value, Lazy):
         longer = [axis for axis, n in enumerate(shape) if n != 1]
         if [shape[axis] for axis in longer] == [n for n in value.shape if n != 1]:
-            own = value.shape
+            value_shape = value.shape
 
             def at(index: list[Place]) -> str:
-                rest = iter([index[axis] for axis in longer])
-                return value.at([next(rest) if n != 1 else Place() for n in own])
+                remaining = iter([index[axis] for axis in longer])
+                return value.at([next(remaining) if n != 1 else Place() for n in value_shape])
 
             return Lazy(at, value.cost, shape, value.dtype)
     view = w.stored(value)
-    found = reshaped(view, shape)
-    if found is None:
-        found = reshaped(w.copied(view), shape)
-    assert found is not None
-    return found
+    result = reshaped(view, shape)
+    if result is None:
+        result = reshaped(w.copied(view), shape)
+    assert result is not None
+    return result
 
 
 @rule("transpose")
@@ -261,7 +261,7 @@ def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]
         return ArrayView(x.pool, x.place(starts), strides, shape, x.dtype)
 
     def at(index: list[Place]) -> str:
-        return x.at([start + one * step for start, one, step in zip(starts, index, steps, strict=True)])
+        return x.at([start + place * step for start, place, step in zip(starts, index, steps, strict=True)])
 
     return Lazy(at, x.cost, shape, x.dtype)
 
@@ -274,7 +274,7 @@ def window(x: Value, axis: int, at: int | Place, shape: tuple[int, ...]) -> Valu
 
 @rule("slice")
 def _slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
-    starts = [Place(one) for one in equation.params["start_indices"]]
+    starts = [Place(start) for start in equation.params["start_indices"]]
     steps = list(equation.params["strides"] or [1] * len(starts))
     return [part(values[0], starts, steps, equation.outputs[0].shape)]
 
@@ -288,29 +288,29 @@ def _rev(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
 @rule("split")
 def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
-    axis, at, found = equation.params["axis"], 0, []
+    axis, at, parts = equation.params["axis"], 0, []
     for out in equation.outputs:
-        found.append(window(values[0], axis, at, out.shape))
+        parts.append(window(values[0], axis, at, out.shape))
         at += out.shape[axis]
-    return found
+    return parts
 
 
 @rule("unstack")
 def _unstack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), axis = values, equation.params["axis"]
-    whole = tuple(1 if i == axis else n for i, n in enumerate(x.shape))
-    return [in_shape(w, window(x, axis, i, whole), out.shape) for i, out in enumerate(equation.outputs)]
+    window_shape = tuple(1 if i == axis else n for i, n in enumerate(x.shape))
+    return [in_shape(w, window(x, axis, i, window_shape), out.shape) for i, out in enumerate(equation.outputs)]
 
 
-def _joined(w: Writer, equation: Equation, pieces: list[Value], axis: int) -> list[Value]:
+def _joined(w: Writer, equation: Equation, operands: list[Value], axis: int) -> list[Value]:
     (out,), at = equation.outputs, 0
-    whole = w.new(out.shape, out.dtype)
-    for piece in pieces:
-        to = window(whole, axis, at, piece.shape)
+    joined = w.new(out.shape, out.dtype)
+    for piece in operands:
+        to = window(joined, axis, at, piece.shape)
         assert isinstance(to, ArrayView)
         w.store(piece, to)
         at += piece.shape[axis]
-    return [whole]
+    return [joined]
 
 
 @rule("concatenate")
@@ -322,15 +322,17 @@ def _concatenate(w: Writer, equation: Equation, values: list[Value]) -> list[Val
 def _stack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     axis = equation.params["axis"]
     shape = tuple(1 if i == axis else n for i, n in enumerate(equation.outputs[0].shape))
-    return _joined(w, equation, [in_shape(w, one, shape) for one in values], axis)
+    return _joined(w, equation, [in_shape(w, value, shape) for value in values], axis)
 
 
 @rule("tile")
 def _tile(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), (out,) = values, equation.outputs
-    own = (1,) * (len(out.shape) - len(x.shape)) + x.shape
-    x = in_shape(w, w.cheap(x), own)
-    longer = tuple(n for whole, n in zip(out.shape, own, strict=True) for n in (whole // n if n else 1, n))
+    x_shape = (1,) * (len(out.shape) - len(x.shape)) + x.shape
+    x = in_shape(w, w.cheap(x), x_shape)
+    longer = tuple(
+        n for out_length, n in zip(out.shape, x_shape, strict=True) for n in (out_length // n if n else 1, n)
+    )
     again = Lazy(lambda index: x.at(index[1::2]), 0, longer, out.dtype)
     return [in_shape(w, w.copied(again), out.shape)]
 
@@ -338,9 +340,9 @@ def _tile(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 @rule("pad")
 def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x, filling), (out,) = values, equation.outputs
-    config = [tuple(map(int, one)) for one in equation.params["padding_config"]]
-    whole = w.new(out.shape, out.dtype)
-    w.store(spread(w, filling, out.shape), whole)
+    config = [tuple(map(int, entry)) for entry in equation.params["padding_config"]]
+    padded = w.new(out.shape, out.dtype)
+    w.store(broadcast_operand(w, filling, out.shape), padded)
     # What stands outside after a negative padding is left away.
     first, count, to = [], [], []
     for (low, _, inner), n, length in zip(config, x.shape, out.shape, strict=True):
@@ -350,12 +352,12 @@ def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         first.append(begin)
         count.append(max(0, last - begin + 1))
         to.append(Place(low + begin * step))
-    steps = [one[2] + 1 for one in config]
-    inside = part(x, [Place(one) for one in first], [1] * len(first), tuple(count))
-    target = part(whole, to, steps, tuple(count))
+    steps = [entry[2] + 1 for entry in config]
+    inside = part(x, [Place(entry) for entry in first], [1] * len(first), tuple(count))
+    target = part(padded, to, steps, tuple(count))
     assert isinstance(target, ArrayView)
     w.store(inside, target)
-    return [whole]
+    return [padded]
 
 
 # Sums and products
@@ -385,38 +387,38 @@ def _combined(w: Writer, kind: str, dtype: np.dtype) -> tuple[str, Callable[[str
 
 def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
     """An array with some axes reduced."""
-    kept = [axis for axis in range(len(x.shape)) if axis not in axes]
-    shape, inner = tuple(x.shape[axis] for axis in kept), tuple(x.shape[axis] for axis in axes)
+    kept_axes = [axis for axis in range(len(x.shape)) if axis not in axes]
+    shape, inner = tuple(x.shape[axis] for axis in kept_axes), tuple(x.shape[axis] for axis in axes)
     start, combine = _combined(w, kind, x.dtype)
     count = int(np.prod(inner, dtype=int))
 
-    def whole(outer: list[Place], within: list[Place]) -> list[Place]:
-        places = dict(zip([*kept, *axes], [*outer, *within], strict=True))
+    def all_places(outer: list[Place], within: list[Place]) -> list[Place]:
+        places = dict(zip([*kept_axes, *axes], [*outer, *within], strict=True))
         return [places[axis] for axis in range(len(x.shape))]
 
     if 0 < count <= SHORT:
         terms = list(np.ndindex(*inner))
 
         def at(index: list[Place]) -> str:
-            each = [x.at(whole(index, [Place(i) for i in term])) for term in terms]
-            return functools.reduce(combine, each)
+            texts = [x.at(all_places(index, [Place(i) for i in term])) for term in terms]
+            return functools.reduce(combine, texts)
 
         return Lazy(at, max(1, count * (x.cost + 1) - 1), shape, x.dtype)
-    found = w.new(shape, x.dtype)
+    result = w.new(shape, x.dtype)
     loops, outer = counters("i", shape)
     rounds, within = counters("r", inner)
     kind_of = "double" if x.dtype.kind == "f" else "int64_t"
     if 0 in shape:
-        return found
+        return result
     if count:
-        step = f"{rounds}s = {combine('s', x.at(whole(outer, within)))}; "
+        step = f"{rounds}s = {combine('s', x.at(all_places(outer, within)))}; "
         if kind in ("sum", "prod") and step.count("s = (s "):
             sign = "+" if kind == "sum" else "*"
-            step = f"{rounds}s {sign}= {x.at(whole(outer, within))}; "
+            step = f"{rounds}s {sign}= {x.at(all_places(outer, within))}; "
     else:
         step = ""
-    w.add(f"{loops}{{ {kind_of} s = {start}; {step}{found.at(outer)} = s; }}")
-    return found
+    w.add(f"{loops}{{ {kind_of} s = {start}; {step}{result.at(outer)} = s; }}")
+    return result
 
 
 @rule(*(f"reduce_{kind}" for kind in ("sum", "prod", "max", "min", "and", "or", "xor")))
@@ -431,10 +433,10 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
     (lc, rc), (lb, rb) = (
         tuple(tuple(map(int, axes)) for axes in pair) for pair in equation.params["dimension_numbers"]
     )
-    own = [axis for axis in range(len(left.shape)) if axis not in (*lc, *lb)]
+    left_axes = [axis for axis in range(len(left.shape)) if axis not in (*lc, *lb)]
     other = [axis for axis in range(len(right.shape)) if axis not in (*rc, *rb)]
-    orders = ([*lb, *own, *lc], [*rb, *other, *rc])
-    ours = range(len(lb) + len(own)), [*range(len(lb)), *range(len(lb) + len(own), len(out.shape))]
+    orders = ([*lb, *left_axes, *lc], [*rb, *other, *rc])
+    ours = range(len(lb) + len(left_axes)), [*range(len(lb)), *range(len(lb) + len(left_axes), len(out.shape))]
     for side, array in enumerate(known):
         many = array is not None and array.dtype.kind == "f" and array.size >= LARGE
         if array is not None and many and np.count_nonzero(array) <= SPARSE * array.size:
@@ -443,15 +445,18 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
             return [_sparse(w, out, np.transpose(array, orders[side]), len(lc), operand, list(ours[side]), len(lb))]
     # An expression that is read once stays an expression.
     left = left if np.prod([right.shape[axis] for axis in other], dtype=int) <= 1 else w.cheap(left)
-    right = right if np.prod([left.shape[axis] for axis in own], dtype=int) <= 1 else w.cheap(right)
+    right = right if np.prod([left.shape[axis] for axis in left_axes], dtype=int) <= 1 else w.cheap(right)
     along = tuple(left.shape[axis] for axis in lc)
 
     def at(index: list[Place]) -> str:
-        batch, rest = index[: len(lb)], index[len(lb) :]
-        places = ([*batch, *rest[: len(own)], *rest[len(own) + len(other) :]], [*batch, *rest[len(own) :]])
+        batch, free_places = index[: len(lb)], index[len(lb) :]
+        places = (
+            [*batch, *free_places[: len(left_axes)], *free_places[len(left_axes) + len(other) :]],
+            [*batch, *free_places[len(left_axes) :]],
+        )
         texts = []
-        for operand, order, found in zip((left, right), orders, places, strict=True):
-            by_axis = dict(zip(order, found, strict=True))
+        for operand, order, operand_places in zip((left, right), orders, places, strict=True):
+            by_axis = dict(zip(order, operand_places, strict=True))
             texts.append(operand.at([by_axis[axis] for axis in range(len(order))]))
         if out.dtype.kind == "f":
             return f"({texts[0]} * {texts[1]})"
@@ -484,59 +489,59 @@ def _sparse(
         steps += np.arange(columns[axis]).reshape([-1 if i == axis else 1 for i in range(summed)]) * stride
     ends = w.tables.start("I", np.searchsorted(row, np.arange(len(table) + 1)))
     places, numbers = w.tables.start("I", steps.ravel()[column]), w.tables.start("K", table[row, column])
-    found = w.new(out.shape, out.dtype)
+    product = w.new(out.shape, out.dtype)
     loops, index = counters("i", out.shape)
     at = ends
     for axis, stride in zip(axes, compact(rows), strict=True):
         at = at + index[axis] * stride
-    own = [*index[:batch], *(index[axis] for axis in range(batch, len(out.shape)) if axis not in axes)]
-    start = other.place([*own, *[Place()] * summed])
+    entry_index = [*index[:batch], *(index[axis] for axis in range(batch, len(out.shape)) if axis not in axes)]
+    start = other.place([*entry_index, *[Place()] * summed])
     entry = f"{other.pool}[{start + variable(f'I[k+{places}]')}]"
     step = f"for (int64_t k = I[{at}]; k < I[{at + 1}]; k++) s += K[k+{numbers}] * {entry};"
-    w.add(f"{loops}{{ double s = 0; {step} {found.at(index)} = s; }}")
-    return found
+    w.add(f"{loops}{{ double s = 0; {step} {product.at(index)} = s; }}")
+    return product
 
 
 @rule("cumsum", "cumprod", "cummax", "cummin")
 def _cumulative(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), axis, kind = values, equation.params["axis"], equation.name.removeprefix("cum")
     start, combine = _combined(w, kind, x.dtype)
-    found, n = w.new(x.shape, x.dtype), x.shape[axis]
+    result, n = w.new(x.shape, x.dtype), x.shape[axis]
     if 0 in x.shape:
-        return [found]
+        return [result]
     loops, index = counters("i", tuple(1 if i == axis else length for i, length in enumerate(x.shape)))
     index[axis] = variable("r") * -1 + (n - 1) if equation.params["reverse"] else variable("r")
     kind_of = "double" if x.dtype.kind == "f" else "int64_t"
-    step = f"s = {combine('s', x.at(index))}; {found.at(index)} = s;"
+    step = f"s = {combine('s', x.at(index))}; {result.at(index)} = s;"
     w.add(f"{loops}{{ {kind_of} s = {start}; F(r, {n}) {{ {step} }} }}")
-    return [found]
+    return [result]
 
 
 @rule("argmax", "argmin")
 def _arg(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), (out,), (axis,) = values, equation.outputs, equation.params["axes"]
-    found = w.new(out.shape, out.dtype)
+    result = w.new(out.shape, out.dtype)
     if 0 in out.shape:
-        return [found]
+        return [result]
     loops, index = counters("i", out.shape)
     sign = ">" if equation.name == "argmax" else "<"
     kind_of = "double" if x.dtype.kind == "f" else "int64_t"
     first = x.at([*index[:axis], Place(), *index[axis:]])
-    each = x.at([*index[:axis], variable("r"), *index[axis:]])
+    candidate = x.at([*index[:axis], variable("r"), *index[axis:]])
     # The first NaN is the answer.
     better = f"v {sign} s || (v != v && s == s)" if x.dtype.kind == "f" else f"v {sign} s"
-    step = f"{{ {kind_of} v = {each}; if ({better}) {{ s = v; k = r; }} }}"
-    w.add(f"{loops}{{ {kind_of} s = {first}; int k = 0; F(r, {x.shape[axis]}) {step} {found.at(index)} = k; }}")
-    return [found]
+    step = f"{{ {kind_of} v = {candidate}; if ({better}) {{ s = v; k = r; }} }}"
+    w.add(f"{loops}{{ {kind_of} s = {first}; int k = 0; F(r, {x.shape[axis]}) {step} {result.at(index)} = k; }}")
+    return [result]
 
 
 @rule("sort")
 def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     axis, keys = equation.params["dimension"], equation.params["num_keys"]
     shape = values[0].shape
-    found = [w.copied(value) for value in values]
+    copies = [w.copied(value) for value in values]
     if 0 in shape:
-        return list(found)
+        return list(copies)
     loops, index = counters("i", tuple(1 if i == axis else n for i, n in enumerate(shape)))
 
     def at(view: ArrayView, place: Place) -> str:
@@ -544,30 +549,32 @@ def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
     upper, lower = variable("k"), variable("k") + (-1)
     before = "0"
-    for view in reversed(found[:keys]):
+    for view in reversed(copies[:keys]):
         a, b = at(view, upper), at(view, lower)
         less = f"{w.helper('fx_sooner')}({a}, {b})" if view.dtype.kind == "f" else f"{a} < {b}"
         more = f"fx_sooner({b}, {a})" if view.dtype.kind == "f" else f"{b} < {a}"
         before = f"({less} || (!({more}) && {before}))"
     swaps = ""
-    for view in found:
+    for view in copies:
         kind_of, a, b = "double" if view.dtype.kind == "f" else "int64_t", at(view, upper), at(view, lower)
         swaps += f"{{ {kind_of} v = {a}; {a} = {b}; {b} = v; }} "
     w.add(f"{loops}F(r, {shape[axis]}) for (int k = r; k > 0 && {before}; k--) {{ {swaps}}}")
-    return list(found)
+    return list(copies)
 
 
 # Matrices
 
 
-def _each(w: Writer, batch: tuple[int, ...], name: str, *arguments: Any) -> None:
+def _call_each(w: Writer, batch: tuple[int, ...], name: str, *arguments: Any) -> None:
     """Call a helper for each entry of a batch, with the place of the entry for arrays."""
     loops, index = counters("i", batch)
     index = [*index, Place(), Place()]
-    if not any(isinstance(one, ArrayView) and 0 in one.shape for one in arguments):
+    if not any(isinstance(argument, ArrayView) and 0 in argument.shape for argument in arguments):
         words = (
-            f"{one.pool} + {one.place(index[: len(one.shape)])}" if isinstance(one, ArrayView) else str(int(one))
-            for one in arguments
+            f"{argument.pool} + {argument.place(index[: len(argument.shape)])}"
+            if isinstance(argument, ArrayView)
+            else str(int(argument))
+            for argument in arguments
         )
         w.add(f"{loops}{w.helper(name)}({', '.join(words)});")
 
@@ -575,15 +582,15 @@ def _each(w: Writer, batch: tuple[int, ...], name: str, *arguments: Any) -> None
 @rule("lu")
 def _lu(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     lu = w.copied(values[0])
-    pivots, order = (w.new(one.shape, one.dtype) for one in equation.outputs[1:])
-    _each(w, lu.shape[:-2], "fx_lu", lu, pivots, order, *lu.shape[-2:])
+    pivots, order = (w.new(atom.shape, atom.dtype) for atom in equation.outputs[1:])
+    _call_each(w, lu.shape[:-2], "fx_lu", lu, pivots, order, *lu.shape[-2:])
     return [lu, pivots, order]
 
 
 @rule("lu_pivots_to_permutation")
 def _permutation(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     pivots, order = w.copied(values[0]), w.new(equation.outputs[0].shape, equation.outputs[0].dtype)
-    _each(w, pivots.shape[:-1], "fx_permutation", pivots, order, pivots.shape[-1], order.shape[-1])
+    _call_each(w, pivots.shape[:-1], "fx_permutation", pivots, order, pivots.shape[-1], order.shape[-1])
     return [order]
 
 
@@ -601,14 +608,14 @@ def _triangular(w: Writer, equation: Equation, values: list[Value]) -> list[Valu
     if turned:
         row, column, lower = column, row, not lower
     sizes = a.shape[-1], count, lower, params["unit_diagonal"]
-    _each(w, x.shape[:-2], "fx_triangle", a, row, column, x, down, across, *sizes)
+    _call_each(w, x.shape[:-2], "fx_triangle", a, row, column, x, down, across, *sizes)
     return [x]
 
 
 @rule("cholesky")
 def _cholesky(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     factor = w.copied(values[0])
-    _each(w, factor.shape[:-2], "fx_cholesky", factor, factor.shape[-1])
+    _call_each(w, factor.shape[:-2], "fx_cholesky", factor, factor.shape[-1])
     return [factor]
 
 
@@ -627,19 +634,19 @@ def _start(w: Writer, value: Value, most: int) -> Place:
 def _dynamic_slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     x, *starts = values
     sizes = equation.outputs[0].shape
-    places = [_start(w, one, n - size) for one, n, size in zip(starts, x.shape, sizes, strict=True)]
+    places = [_start(w, start, n - size) for start, n, size in zip(starts, x.shape, sizes, strict=True)]
     return [part(x, places, [1] * len(sizes), sizes)]
 
 
 @rule("dynamic_update_slice")
 def _dynamic_update_slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     x, change, *starts = values
-    places = [_start(w, one, n - size) for one, n, size in zip(starts, x.shape, change.shape, strict=True)]
-    found = w.copied(x)
-    to = part(found, places, [1] * len(places), change.shape)
+    places = [_start(w, start, n - size) for start, n, size in zip(starts, x.shape, change.shape, strict=True)]
+    result = w.copied(x)
+    to = part(result, places, [1] * len(places), change.shape)
     assert isinstance(to, ArrayView)
     w.store(change, to)
-    return [found]
+    return [result]
 
 
 class _Indices:
@@ -653,9 +660,9 @@ class _Indices:
         self.known = known is not None
         self.guarded: Value | None = None
         if known is None:
-            found, shape = w.cheap(indices), (*indices.shape[:-1], 1)
+            view, shape = w.cheap(indices), (*indices.shape[:-1], 1)
             for k, axis in enumerate(most):
-                self.columns[axis] = part(found, [*[Place()] * (len(shape) - 1), Place(k)], [1] * len(shape), shape)
+                self.columns[axis] = part(view, [*[Place()] * (len(shape) - 1), Place(k)], [1] * len(shape), shape)
             return
         inside = np.ones(known.shape[:-1], bool)
         for k, (axis, bound) in enumerate(most.items()):
@@ -674,9 +681,9 @@ class _Indices:
             return variable(column.at(batch))
         even = column.at([Place()] * len(batch)).strip("()")
         start = Place(int(even))
-        for i, one in enumerate(batch):
+        for i, position in enumerate(batch):
             unit = [Place(1 if k == i else 0) for k in range(len(batch))]
-            start = start + one * (int(column.at(unit).strip("()")) - int(even))
+            start = start + position * (int(column.at(unit).strip("()")) - int(even))
         return start
 
     def guard(self, batch: list[Place]) -> str | None:
@@ -692,21 +699,21 @@ class _Indices:
 def _places(
     indices: _Indices, batch: list[Place], window: dict[int, Place], paired: dict[int, int], rank: int
 ) -> list[Place]:
-    found = []
+    places = []
     for axis in range(rank):
         place = window.get(axis, Place())
         if axis in paired:
             place = place + batch[paired[axis]]
         if axis in indices.most:
             place = place + indices.place(axis, batch)
-        found.append(place)
-    return found
+        places.append(place)
+    return places
 
 
 @rule("gather")
 def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
     (x, indices), (out,), params = values, equation.outputs, equation.params
-    numbers, sizes = params["dimension_numbers"], [int(one) for one in params["slice_sizes"]]
+    numbers, sizes = params["dimension_numbers"], [int(size) for size in params["slice_sizes"]]
     collapsed = (*map(int, numbers.collapsed_slice_dims), *map(int, numbers.operand_batching_dims))
     offsets = list(map(int, numbers.offset_dims))
     along = [axis for axis in range(len(x.shape)) if axis not in collapsed]
@@ -722,7 +729,7 @@ def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.n
 
     def at(index: list[Place]) -> str:
         batch = [index[axis] for axis in batch_axes]
-        window = {axis: index[own] for axis, own in zip(along, offsets, strict=True)}
+        window = {axis: index[offset] for axis, offset in zip(along, offsets, strict=True)}
         text = source.at(_places(where, batch, window, paired, len(source.shape)))
         guard = where.guard(batch)
         return text if guard is None else f"({guard} ? {text} : {filling})"
@@ -731,7 +738,7 @@ def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.n
     if where.known and where.guarded is None and isinstance(source, ArrayView):
         even = _even(source, lambda index: _places(
             where, [index[axis] for axis in batch_axes],
-            {axis: index[own] for axis, own in zip(along, offsets, strict=True)}, paired, len(source.shape),
+            {axis: index[offset] for axis, offset in zip(along, offsets, strict=True)}, paired, len(source.shape),
         ), out.shape)  # fmt: skip
         if even is not None:
             return [even]
@@ -742,16 +749,16 @@ def _even(source: ArrayView, places: Callable[[list[Place]], list[Place]], shape
     """A gather as a view, where its places grow evenly."""
     names = [f"i{axis}" for axis in range(len(shape))]
     place = source.place(places([variable(name) for name in names]))
-    rest = {key: factor for key, factor in place.terms.items() if key not in names}
-    if any(key.startswith("I[") for key in rest):
+    other_terms = {key: factor for key, factor in place.terms.items() if key not in names}
+    if any(key.startswith("I[") for key in other_terms):
         return None
     strides = tuple(place.terms.get(name, 0) for name in names)
-    return ArrayView(source.pool, Place(place.constant, rest, place.buffer), strides, shape, source.dtype)
+    return ArrayView(source.pool, Place(place.constant, other_terms, place.buffer), strides, shape, source.dtype)
 
 
-def _filling(given: Any, dtype: np.dtype) -> str:
-    if given is not None:
-        return literal(given, dtype)
+def _filling(value: Any, dtype: np.dtype) -> str:
+    if value is not None:
+        return literal(value, dtype)
     if dtype.kind == "f":
         return "NAN"
     if dtype.kind == "b":
@@ -772,26 +779,26 @@ def _scatter(w: Writer, equation: Equation, values: list[Value], known: list[np.
     paired = dict(
         zip(map(int, numbers.operand_batching_dims), map(int, numbers.scatter_indices_batching_dims), strict=True)
     )
-    found = w.copied(x)
+    result = w.copied(x)
     if 0 in change.shape:
-        return [found]
-    size = {axis: change.shape[own] for axis, own in zip(along, windows, strict=True)}
+        return [result]
+    size = {axis: change.shape[window_axis] for axis, window_axis in zip(along, windows, strict=True)}
     most = {int(axis): x.shape[axis] - size.get(int(axis), 1) for axis in numbers.scatter_dims_to_operand_dims}
     where = _Indices(w, equation, indices, known[1], most)
     loops, index = counters("i", change.shape)
     batch = [index[axis] for axis in batch_axes]
-    window = {axis: index[own] for axis, own in zip(along, windows, strict=True)}
-    target = found.at(_places(where, batch, window, paired, len(x.shape)))
-    given, kind = change.at(index), equation.name.removeprefix("scatter").strip("-_")
+    window = {axis: index[window_axis] for axis, window_axis in zip(along, windows, strict=True)}
+    target = result.at(_places(where, batch, window, paired, len(x.shape)))
+    update, kind = change.at(index), equation.name.removeprefix("scatter").strip("-_")
     if kind in ("min", "max"):
         call = w.helper(f"fx_{'' if x.dtype.kind == 'f' else 'i'}{kind}")
-        given = f"{call}({target}, {given})"
+        update = f"{call}({target}, {update})"
     elif x.dtype.kind == "b" and kind:
         raise NotImplementedError("truth values that are added")
     sign = {"add": "+=", "sub": "-=", "mul": "*="}.get(kind, "=")
     guard = where.guard(batch)
-    w.add(f"{loops}{f'if ({guard}) ' if guard else ''}{target} {sign} {given};")
-    return [found]
+    w.add(f"{loops}{f'if ({guard}) ' if guard else ''}{target} {sign} {update};")
+    return [result]
 
 
 # What is written otherwise where operands are constants.

@@ -26,7 +26,7 @@ from ..model.model import Model
 from ..statics.coarse import warn_of_stressed_start
 from ..trajectory.linear_along import TimeVarying
 from . import plant as plants
-from .description import Placed, build_description, check_names, description, placed, scalars
+from .description import Placed, build_description, check_unique_names, description, ordered_variables, scalars
 from .plant import Plant, Variable
 
 SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
@@ -45,7 +45,7 @@ def place_of_binary(identifier: str, fmi: int) -> str | None:
     return f"binaries/{folder}/{identifier}{system[1]}"
 
 
-def found_compiler() -> list[str] | None:
+def compiler_command() -> list[str] | None:
     """Command of a C compiler: $CC, or else cc, gcc or clang; None without any."""
     words = shlex.split(os.environ.get("CC", ""))
     for candidate in [words] if words else [["cc"], ["gcc"], ["clang"]]:
@@ -54,12 +54,15 @@ def found_compiler() -> list[str] | None:
     return None
 
 
-def compiled(files: dict[str, bytes], main: str) -> tuple[bytes | None, str]:
+def shared_library(files: dict[str, bytes], main: str) -> tuple[bytes | None, str]:
     """A shared library of C sources, reproducible to the byte; or None, and why there is none."""
-    command = found_compiler()
+    command = compiler_command()
     if command is None:
-        given = os.environ.get("CC")
-        return None, f"there is no C compiler '{given}'" if given else "there is no C compiler (cc, gcc, clang, or $CC)"
+        compiler = os.environ.get("CC")
+        return (
+            None,
+            f"there is no C compiler '{compiler}'" if compiler else "there is no C compiler (cc, gcc, clang, or $CC)",
+        )
     # The library contains no paths, times or build numbers, and no fused multiply-adds.
     options = ["-std=c99", "-O2", "-ffp-contract=off", "-fvisibility=hidden", "-shared"]
     if sys.platform != "win32":
@@ -94,23 +97,26 @@ def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: b
     return files
 
 
-def table(plant: Plant) -> bytes:
+def matrix_table(plant: Plant) -> bytes:
     """Matrices in the unit's file: a one, then each matrix at all knots."""
     values = [np.ones(1), *(np.ravel(m) for m in plant.matrices.values())]
     return np.concatenate(values).astype("<f8").tobytes()
 
 
-def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: bool) -> str:
+def _data(plant: Plant, placed_variables: list[Placed], token: str, fmi: int, settable: bool) -> str:
     n_t = 0 if plant.source else 1 if plant.times is None else len(plant.times)
-    kinds = {kind: [one for one in found if one.kind == kind] for kind in ("input", "state", "parameter", "output")}
+    kinds = {
+        kind: [entry for entry in placed_variables if entry.kind == kind]
+        for kind in ("input", "state", "parameter", "output")
+    }
     # FMI 2.0 has no arrays: each entry has a reference.
-    arrays = [one for one in kinds["parameter"] if np.ndim(one.variable.start)] if fmi == 3 else []
-    starts = [np.ravel(one.variable.start) for kind in ("input", "state", "parameter") for one in kinds[kind]]
+    arrays = [entry for entry in kinds["parameter"] if np.ndim(entry.variable.start)] if fmi == 3 else []
+    starts = [np.ravel(entry.variable.start) for kind in ("input", "state", "parameter") for entry in kinds[kind]]
     counts = {
         "N_T": n_t,
         "N_U": len(plant.inputs),
         "N_X": len(plant.states),
-        "N_P": sum(np.size(one.variable.start) for one in kinds["parameter"]),
+        "N_P": sum(np.size(entry.variable.start) for entry in kinds["parameter"]),
         "N_Y": len(plant.outputs),
         "N_NOMINAL": plant.n_nominal,
         "N_ABSOLUTE": len(plant.displacements),
@@ -124,7 +130,7 @@ def _data(plant: Plant, found: list[Placed], token: str, fmi: int, settable: boo
     lines += [f"#define {name} {count}" for name, count in counts.items()]
     lines += [f'#define TOKEN "{token}"', f'#define TABLE_FILE "{TABLE_FILE}"']
     # Without arrays one entry with an unused reference.
-    at, sizes = [one.reference for one in arrays], [np.size(one.variable.start) for one in arrays]
+    at, sizes = [entry.reference for entry in arrays], [np.size(entry.variable.start) for entry in arrays]
     lines += [_array("unsigned int", "ARRAY_AT", map(str, at or [4294967295]))]
     lines += [_array("size_t", "ARRAY_SIZE", map(str, sizes or [0]))]
     # Without displacements one unused entry: C has no empty arrays.
@@ -178,8 +184,8 @@ class Fmu(NamedTuple):
     binary: str | None
 
     def __repr__(self) -> str:
-        def listed(found: Sequence[Variable]):
-            return ", ".join(f"{v.name} [{v.unit}]" if v.unit else v.name for v in found) or "none"
+        def listed(variables: Sequence[Variable]):
+            return ", ".join(f"{v.name} [{v.unit}]" if v.unit else v.name for v in variables) or "none"
 
         return (
             f"FMU '{self.path}' (FMI {self.fmi}.0, {self.binary or 'sources alone'})\n"
@@ -275,8 +281,8 @@ def save_fmu(
         raise ValueError("`loads` and `motion` are for a nonlinear plant: give nonlinear=True.")
     else:
         plant = _plant_of(system, modes, bandwidth, substep)
-    plant = plants.measured(plant, units)
-    plant = plants.named_apart(plants.started(plant, start))
+    plant = plants.plant_with_units(plant, units)
+    plant = plants.with_unique_names(plants.started(plant, start))
     check_writable(path)
     content, binary, parameters = _unit(plant, path.stem, fmi)
     write_whole(path, content)
@@ -290,15 +296,15 @@ def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) ->
     if not varies and substep is not None:
         raise ValueError("`substep` is for a time-varying system: leave it out for other systems.")
     if isinstance(system, Model | Linearization):
-        return plants.of_mechanism(system, modes, bandwidth)
+        return plants.mechanism_plant(system, modes, bandwidth)
     if isinstance(system, TimeVarying):
-        return plants.time_varying(system, substep)
+        return plants.time_varying_plant(system, substep)
     if isinstance(system, Plant):
         return system
     import control
 
     if isinstance(system, control.StateSpace):
-        return plants.of_state_space(system)
+        return plants.state_space_plant(system)
     raise TypeError(
         f"save_fmu takes a Model, a Linearization, a control.StateSpace or a time-varying system, not"
         f" {type(system).__name__}."
@@ -309,23 +315,26 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
     """Content of the file, place of its library for this platform, and parameters that importers can set."""
     settable = bool(plant.matrices) and sum(m.size for m in plant.matrices.values()) <= MOST_SETTABLE[fmi]
     identifier = _identifier(title)
-    found = placed(plant, settable)
-    check_names(plant, found)
-    listed = list(scalars(found)) if fmi == 2 else found
+    placed_variables = ordered_variables(plant, settable)
+    check_unique_names(plant, placed_variables)
+    listed = list(scalars(placed_variables)) if fmi == 2 else placed_variables
     # The token follows from the content of the unit: the same content has the same token.
-    parts = [sources(plant, found, "", fmi, settable), {"xml": description(plant, listed, identifier, title, "", fmi)}]
-    resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": table(plant)}
+    parts = [
+        sources(plant, placed_variables, "", fmi, settable),
+        {"xml": description(plant, listed, identifier, title, "", fmi)},
+    ]
+    resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": matrix_table(plant)}
     digest = hashlib.sha256()
     for name, content in sorted({**parts[0], **parts[1], **resources}.items()):
         digest.update(f"{name} {len(content)} ".encode() + content)
     token = "{" + str(uuid.uuid5(uuid.NAMESPACE_OID, digest.hexdigest())) + "}"
-    of_c = sources(plant, found, token, fmi, settable)
+    of_c = sources(plant, placed_variables, token, fmi, settable)
     files = {"modelDescription.xml": description(plant, listed, identifier, title, token, fmi), **resources}
     files |= {f"sources/{name}": content for name, content in of_c.items()}
     if fmi == 3:
         files["sources/buildDescription.xml"] = build_description(identifier)
     binary = place_of_binary(identifier, fmi)
-    library, why = compiled(of_c, f"fmi{fmi}.c") if binary else (None, "FMI has no name for this platform")
+    library, why = shared_library(of_c, f"fmi{fmi}.c") if binary else (None, "FMI has no name for this platform")
     if binary is not None and library is not None:
         files[binary] = library
     else:
@@ -334,7 +343,7 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
             f"The FMU '{title}' contains only its sources, since {why}. Simulink compiles them; other importers need"
             " the compiled library: export the FMU on a machine with a C compiler."
         )
-    parameters = tuple(one.variable for one in found if one.kind == "parameter")
+    parameters = tuple(entry.variable for entry in placed_variables if entry.kind == "parameter")
     return _packed(files), binary, parameters
 
 
@@ -348,7 +357,7 @@ def _packed(files: dict[str, bytes]) -> bytes:
     """A zip archive without dates: the same files give the same bytes."""
     content = io.BytesIO()
     with zipfile.ZipFile(content, "w") as archive:
-        for name, file in sorted(files.items(), key=lambda one: (one[0] != "modelDescription.xml", one[0])):
+        for name, file in sorted(files.items(), key=lambda pair: (pair[0] != "modelDescription.xml", pair[0])):
             member = zipfile.ZipInfo(name, TIME_OF_FILES)
             member.create_system = 3
             member.external_attr = (0o100755 if name.startswith("binaries/") else 0o100644) << 16

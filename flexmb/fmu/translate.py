@@ -65,24 +65,24 @@ class Unit:
         w = Writer(self._tables)
         emitter = _Emitter(w, program)
         arguments = []
-        for given, atom in zip(inputs, program.block.inputs, strict=True):
+        for argument, atom in zip(inputs, program.block.inputs, strict=True):
             view = w.new(atom.shape, atom.dtype)
             emitter.at[atom] = view
-            arguments.append(f"const {_kind(atom)} *{given}")
-            w.add(f"(void){given};")
+            arguments.append(f"const {_kind(atom)} *{argument}")
+            w.add(f"(void){argument};")
             if 0 not in atom.shape:
-                w.store(view._replace(pool=given, start=Place()), view)
+                w.store(view._replace(pool=argument, start=Place()), view)
         with w.writing([]) as middle:
             emitter.run(program.block.equations)
         # Only the middle is divided into functions, which do not know the arguments.
         w.add(Compound([("{", middle)], "}"))
         results = []
-        for given, atom in zip(outputs, program.block.outputs, strict=True):
+        for argument, atom in zip(outputs, program.block.outputs, strict=True):
             value = emitter.at[atom]
-            results.append(f"{_kind(atom)} *{given}")
-            w.add(f"(void){given};")
+            results.append(f"{_kind(atom)} *{argument}")
+            w.add(f"(void){argument};")
             if 0 not in atom.shape:
-                w.store(value, w.new(atom.shape, atom.dtype)._replace(pool=given, start=Place()))
+                w.store(value, w.new(atom.shape, atom.dtype)._replace(pool=argument, start=Place()))
         functions, calls = w.text(name)
         self._helpers.update(w.helpers)
         head = f"{'static ' if static else ''}void {name}({', '.join([*arguments, *results])}, double *w, int64_t *n)"
@@ -91,8 +91,13 @@ class Unit:
         sizes = w.sizes()
         return Translated(
             name,
-            tuple((given, atom.shape, atom.dtype) for given, atom in zip(inputs, program.block.inputs, strict=True)),
-            tuple((given, atom.shape, atom.dtype) for given, atom in zip(outputs, program.block.outputs, strict=True)),
+            tuple(
+                (argument, atom.shape, atom.dtype) for argument, atom in zip(inputs, program.block.inputs, strict=True)
+            ),
+            tuple(
+                (argument, atom.shape, atom.dtype)
+                for argument, atom in zip(outputs, program.block.outputs, strict=True)
+            ),
             (sizes["w"], sizes["n"]),
             head.removeprefix("static "),
         )
@@ -108,15 +113,15 @@ def _kind(atom: Atom) -> str:
     return "double" if atom.dtype.kind == "f" else "int64_t"
 
 
-def _runtime(wanted: dict[str, None]) -> list[str]:
+def _runtime(helper_names: dict[str, None]) -> list[str]:
     """The beginning of ``runtime.c``, and its functions by name."""
     _, head, *texts = RUNTIME.read_text(encoding="utf-8").split("\n\n")
-    found = [head + "\n"]
+    functions = [head + "\n"]
     for text in texts:
         named = re.search(r"\b(fx_\w+)\(", text)
-        if named and named[1] in wanted:
-            found.append(text.strip() + "\n")
-    return found
+        if named and named[1] in helper_names:
+            functions.append(text.strip() + "\n")
+    return functions
 
 
 class _Emitter:
@@ -162,9 +167,9 @@ class _Emitter:
                 return translate(self.w, equation, values, known)
             return translate(self.w, equation, values)
         except NotImplementedError as fault:
-            what = f" of {fault}" if fault.args else ""
+            about = f" of {fault}" if fault.args else ""
             raise ModelError(
-                f"The operation `{equation.name}`{what}{origin_of(equation.origin)} has no translation to C. Use other"
+                f"The operation `{equation.name}`{about}{origin_of(equation.origin)} has no translation to C. Use other"
                 " functions of jax.numpy."
             ) from None
 
@@ -179,11 +184,11 @@ class _Emitter:
         news = [self.at[atom] for atom in atoms]
         moving = [(new, old) for new, old in zip(news, carried, strict=True) if new is not old]
         # A result in a buffer of its own can be stored entry by entry. Others may be computed from carried values.
-        fresh = [new if self._is_own(new, block) else self.w.copied(new) for new, _ in moving]
+        fresh = [new if self._has_own_buffer(new, block) else self.w.copied(new) for new, _ in moving]
         for new, (_, old) in zip(fresh, moving, strict=True):
             self.w.store(new, old)
 
-    def _is_own(self, value: Value, block: Body) -> bool:
+    def _has_own_buffer(self, value: Value, block: Body) -> bool:
         """Whether a value is in a buffer other than those of carried values."""
         carried = {view.start.buffer for view in map(self.at.get, block.inputs) if isinstance(view, ArrayView)}
         return isinstance(value, ArrayView) and value.start.buffer not in carried
@@ -214,8 +219,8 @@ class _Emitter:
     def _while(self, equation: Equation, values: list[Value]) -> list[Value]:
         unfinished, block = equation.blocks
         carried = [self.w.copied(value) for value in values]
-        for each in (unfinished, block):
-            self.at.update(zip(each.inputs, carried, strict=True))
+        for part in (unfinished, block):
+            self.at.update(zip(part.inputs, carried, strict=True))
         asked = self._body(unfinished)
         answer = self.at[unfinished.outputs[0]].at([])
         inside = self._body(block)
@@ -225,19 +230,19 @@ class _Emitter:
         return list(carried)
 
     def _cond(self, equation: Equation, values: list[Value]) -> list[Value]:
-        found = [self.w.new(atom.shape, atom.dtype) for atom in equation.outputs]
+        results = [self.w.new(atom.shape, atom.dtype) for atom in equation.outputs]
         which = self.w.cheap(values[0]).at([])
         sections = []
         for i, block in enumerate(equation.blocks):
             inside = self._body(block)
             with self.w.writing(inside):
-                for atom, to in zip(block.outputs, found, strict=True):
+                for atom, to in zip(block.outputs, results, strict=True):
                     self.w.store(self.at[atom], to)
             # An index outside the branches takes the nearest.
             ask = "" if i == len(equation.blocks) - 1 else f"if ({which} <= {i}) "
             sections.append((f"{'} else ' if i else ''}{ask}{{", inside))
         self.w.add(Compound(sections, "}"))
-        return list(found)
+        return list(results)
 
 
 def _unknown(*_: Any) -> list[Value]:

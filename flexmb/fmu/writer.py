@@ -55,10 +55,10 @@ class ArrayView(NamedTuple):
 
     def place(self, index: list[Place]) -> Place:
         """Place of an entry."""
-        found = self.start
+        place = self.start
         for position, stride in zip(index, self.strides, strict=True):
-            found = found + position * stride
-        return found
+            place = place + position * stride
+        return place
 
     def at(self, index: list[Place]) -> str:
         """An entry as a C expression."""
@@ -96,7 +96,7 @@ def compact(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(reversed(strides))
 
 
-def linear(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
+def even_strides(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
     """Start and strides of integers that grow evenly along each axis; None for others."""
     if not numbers.size:
         return 0, (0,) * numbers.ndim
@@ -186,7 +186,7 @@ class Tables:
         if not array.size or all(_same(array, axis) for axis in range(array.ndim)):
             text = literal(array.flat[0], dtype) if array.size else "0"
             return Lazy(lambda index: text, 0, shape, dtype)
-        even = linear(array) if dtype.kind in "iu" else None
+        even = even_strides(array) if dtype.kind in "iu" else None
         if even is not None:
             start, strides = even
 
@@ -198,8 +198,8 @@ class Tables:
         moving = [axis for axis, n in enumerate(shape) if n > 1 and not _same(array, axis)]
         short = array[tuple(slice(None) if axis in moving else slice(0, 1) for axis in range(array.ndim))]
         pool = "K" if dtype.kind == "f" else "I"
-        own = compact(short.shape)
-        strides = tuple(own[axis] if axis in moving else 0 for axis in range(array.ndim))
+        short_strides = compact(short.shape)
+        strides = tuple(short_strides[axis] if axis in moving else 0 for axis in range(array.ndim))
         return ArrayView(pool, self.start(pool, short), strides, shape, dtype)
 
     def start(self, pool: str, array: np.ndarray) -> Place:
@@ -297,9 +297,9 @@ class Writer:
 
     def copied(self, value: Value) -> ArrayView:
         """An array in a new buffer."""
-        found = self.new(value.shape, value.dtype)
-        self.store(value, found)
-        return found
+        copy = self.new(value.shape, value.dtype)
+        self.store(value, copy)
+        return copy
 
     def stored(self, value: Value) -> ArrayView:
         """An array in memory, where it is or in a new buffer."""
@@ -324,15 +324,15 @@ class Writer:
         functions: list[str] = []
 
         def lines(statements: list[Statement]) -> list[str]:
-            found = []
+            texts = []
             for statement in statements:
                 if isinstance(statement, str):
-                    found.append(MARK.sub(put, statement))
+                    texts.append(MARK.sub(put, statement))
                     continue
                 for text, body in statement.sections:
-                    found.append("\n".join([MARK.sub(put, text), *divided(body)]))
-                found.append(MARK.sub(put, statement.end))
-            return found
+                    texts.append("\n".join([MARK.sub(put, text), *divided(body)]))
+                texts.append(MARK.sub(put, statement.end))
+            return texts
 
         def divided(statements: list[Statement]) -> list[str]:
             if len(statements) <= STATEMENTS:
@@ -355,7 +355,7 @@ class Writer:
         loops: list[tuple[int, int]] = []
         count = 0
 
-        def walk(statements: list[Statement]) -> None:
+        def visit(statements: list[Statement]) -> None:
             nonlocal count
             for statement in statements:
                 if isinstance(statement, str):
@@ -364,7 +364,7 @@ class Writer:
                 first = count
                 for text, body in statement.sections:
                     seen(text)
-                    walk(body)
+                    visit(body)
                 seen(statement.end)
                 loops.append((first, count))
 
@@ -374,7 +374,7 @@ class Writer:
                 lives.setdefault(int(match[1] or match[3]), [count, count])[1] = count
             count += 1
 
-        walk(self.statements)
+        visit(self.statements)
         # A buffer that is needed in a loop and outside is needed in all rounds. Inner loops come first.
         for first, end in loops:
             for life in lives.values():

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arguments import check_number
 from ..display import Result, Summary, short
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from ..model.model import Model
 from ..numerical_limits import HIDDEN
 from .measurement import Measured, check_unit, in_deviations, measured, measurements, predicted
@@ -126,7 +126,7 @@ def compare(
             raise ValueError(f"Measurement '{item.name}' has no deviation. A comparison of models needs it.")
         for name in item.parameters:
             if name not in (parameters or {}):
-                raise ValueError(f"Measurement '{item.name}' takes the parameter '{clean(name)}': give its value.")
+                raise ValueError(f"Measurement '{item.name}' takes the parameter '{printable(name)}': give its value.")
     computed = [
         {item.name: np.asarray(predicted(item, model, parameters or {}), float) for item in items}
         for model in (model_a, model_b)
@@ -168,11 +168,11 @@ def compare(
 
 def _between(item: Measured, first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Difference of two answers; of phases within half a turn."""
-    found = first - second
+    difference = first - second
     if item.relative:
-        phases = found[len(found) // 2 :]
+        phases = difference[len(difference) // 2 :]
         phases -= 2 * np.pi * np.round(phases / (2 * np.pi))
-    return found
+    return difference
 
 
 def _items(data: Any) -> tuple[list[Measured], bool]:

@@ -8,10 +8,10 @@ import numpy as np
 
 from ..arguments import check_by_name, check_choice, check_whole
 from ..compilation.compile import unguarded
-from ..design.designs import numbers
-from ..design.evaluate import REFUSED, Build, Layout, check_dimensions, check_names, layout_of
+from ..design.designs import double_numbers
+from ..design.evaluate import REFUSED, Build, Layout, check_answer_names, check_dimensions, layout_of
 from ..design.scaling import Scaling
-from ..errors import AnalysisError, clean, first_line, warn
+from ..errors import AnalysisError, first_line, printable, warn
 from ..numerical_limits import AS_GOOD, AT_BOUND, IMPLAUSIBLE, SAME_MINIMUM
 from ..results import RESULTS
 from .fitted import Fit, scaled_covariance, scaled_deviations
@@ -74,26 +74,26 @@ def fit(
         Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, where J
         contains the derivatives of the differences over standard deviations.
     """
-    for name, given in (("parameters", parameters), ("bounds", bounds), ("priors", priors or {})):
-        check_by_name(name, given)
+    for name, argument in (("parameters", parameters), ("bounds", bounds), ("priors", priors or {})):
+        check_by_name(name, argument)
     check_choice("loss", loss, LOSSES)
     check_whole("starts", starts, 1)
     items = measurements(data)
-    values = {name: numbers(f"Parameter '{name}'", v) for name, v in parameters.items()}
+    values = {name: double_numbers(f"Parameter '{name}'", v) for name, v in parameters.items()}
     layout = layout_of(values)
-    of_build = _taken_by_build(build, items, layout.names)
-    check_names(layout.names, (), ())
+    of_build = _build_arguments(build, items, layout.names)
+    check_answer_names(layout.names, (), ())
     scaling = Scaling(layout, bounds, scales or {})
     first = layout.join(values)
     scaling.check_inside(first)
     known = _priors(priors or {}, layout)
     if items[0].scatter is None and (known or loss != "linear"):
-        what = "Priors weigh" if known else f"The loss '{loss}' weighs"
-        raise ValueError(f"{what} values by their deviations. Give measurement '{items[0].name}' a deviation.")
-    count, wanted = sum(len(item.values) for item in items) + len(known), len(first)
-    if count < wanted:
+        subject = "Priors weigh" if known else f"The loss '{loss}' weighs"
+        raise ValueError(f"{subject} values by their deviations. Give measurement '{items[0].name}' a deviation.")
+    count, unknowns = sum(len(item.values) for item in items) + len(known), len(first)
+    if count < unknowns:
         raise ValueError(
-            f"{wanted} parameters cannot be fitted to {count} values and priors: measure more, add priors, or fix"
+            f"{unknowns} parameters cannot be fitted to {count} values and priors: measure more, add priors, or fix"
             " parameters in `build`."
         )
     problem = FitProblem(
@@ -102,14 +102,14 @@ def fit(
     _check_start(problem)
     solutions = [problem.solve(unit) for unit in _starts(scaling.to_unit(first), starts, check_whole("seed", seed, 0))]
     best = min(solutions, key=lambda one: (not one.converged, one.cost))
-    found = _fit_of(problem, solutions, best, values)
-    if throw and found.result in (RESULTS.not_optimal, RESULTS.impossible_design):
-        raise AnalysisError(found.result.name, f"{found.result.message} {found.reason}\n{found}")
-    _warn(found)
-    return found
+    fitted = _fit_of(problem, solutions, best, values)
+    if throw and fitted.result in (RESULTS.not_optimal, RESULTS.impossible_design):
+        raise AnalysisError(fitted.result.name, f"{fitted.result.message} {fitted.reason}\n{fitted}")
+    _warn(fitted)
+    return fitted
 
 
-def _taken_by_build(build: Build, items: list[Measured], names: Sequence[str]) -> tuple[str, ...]:
+def _build_arguments(build: Build, items: list[Measured], names: Sequence[str]) -> tuple[str, ...]:
     """Return the names of the arguments of ``build``; other parameters belong to measurements."""
     of_data = {name for item in items for name in item.parameters}
     missing = [(item.name, name) for item in items for name in item.parameters if name not in names]
@@ -121,26 +121,28 @@ def _taken_by_build(build: Build, items: list[Measured], names: Sequence[str]) -
             accepted = set(inspect.signature(build).parameters)
         except (TypeError, ValueError):
             accepted = set(names) - of_data
-    taken = tuple(name for name in names if name not in of_data or name in accepted)
-    check_dimensions(build, taken)
-    return taken
+    arguments = tuple(name for name in names if name not in of_data or name in accepted)
+    check_dimensions(build, arguments)
+    return arguments
 
 
 def _priors(priors: Mapping[str, Any], layout: Layout) -> dict[int, Prior]:
-    found = {}
-    for name, given in priors.items():
+    by_index = {}
+    for name, pair in priors.items():
         if name not in layout.names and name not in layout.labels:
-            raise ValueError(f"Prior of '{clean(name)}': there is no such parameter ({', '.join(layout.names)}).")
+            raise ValueError(f"Prior of '{printable(name)}': there is no such parameter ({', '.join(layout.names)}).")
         try:
-            mean, deviation = (numbers(f"Prior of '{name}'", part) for part in given)
+            mean, deviation = (double_numbers(f"Prior of '{name}'", part) for part in pair)
         except (TypeError, ValueError):
-            raise ValueError(f"The prior of '{clean(name)}' must be a pair of mean and standard deviation.") from None
+            raise ValueError(
+                f"The prior of '{printable(name)}' must be a pair of mean and standard deviation."
+            ) from None
         places = [i for i, label in enumerate(layout.labels) if label == name or label.startswith(f"{name}[")]
         means, deviations = (np.broadcast_to(part, (len(places),)) for part in (mean, deviation))
         if not (np.all(np.isfinite(means)) and np.all(np.isfinite(deviations) & (deviations > 0))):
-            raise ValueError(f"The prior of '{clean(name)}' must be finite, with a positive standard deviation.")
-        found |= {i: Prior(float(m), float(d)) for i, m, d in zip(places, means, deviations, strict=True)}
-    return dict(sorted(found.items()))
+            raise ValueError(f"The prior of '{printable(name)}' must be finite, with a positive standard deviation.")
+        by_index |= {i: Prior(float(m), float(d)) for i, m, d in zip(places, means, deviations, strict=True)}
+    return dict(sorted(by_index.items()))
 
 
 def _starts(first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
@@ -222,7 +224,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
         minima,
         result,
         reason,
-        sum(one.evaluations for one in solutions),
+        sum(solution.evaluations for solution in solutions),
         tuple(problem.items),
         problem,
         unit,
@@ -231,11 +233,15 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
 
 def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[str, Any], float], ...]:
     """Return minima at different parameters, the lowest minimum first."""
-    kept: list[Solution] = []
-    for one in sorted(solutions, key=lambda solution: solution.cost):
-        if one.converged and not any(np.max(np.abs(one.unit - other.unit)) <= SAME_MINIMUM for other in kept):
-            kept.append(one)
-    return tuple((problem.layout.split(problem.scaling.to_dimensions(one.unit)), one.cost) for one in kept)
+    minima: list[Solution] = []
+    for candidate in sorted(solutions, key=lambda solution: solution.cost):
+        if candidate.converged and not any(
+            np.max(np.abs(candidate.unit - other.unit)) <= SAME_MINIMUM for other in minima
+        ):
+            minima.append(candidate)
+    return tuple(
+        (problem.layout.split(problem.scaling.to_dimensions(candidate.unit)), candidate.cost) for candidate in minima
+    )
 
 
 def _outcome(
@@ -258,27 +264,27 @@ def _outcome(
     return RESULTS.successful, text + others
 
 
-def _warn(found: Fit) -> None:
-    if found.result is RESULTS.impossible_design:
+def _warn(fitted: Fit) -> None:
+    if fitted.result is RESULTS.impossible_design:
         return
-    others = [values for values, cost in found.minima[1:] if cost - found.minima[0][1] < AS_GOOD * found.noise**2]
-    if others and not found.undetermined:
+    others = [values for values, cost in fitted.minima[1:] if cost - fitted.minima[0][1] < AS_GOOD * fitted.noise**2]
+    if others and not fitted.undetermined:
         listed = "; ".join(", ".join(f"{name} = {value}" for name, value in values.items()) for values in others[:3])
         warn(f"Other parameters fit equally well: {listed}. Measure another quantity, or narrow the bounds.")
-    if found.problem.function(found.unit)[2] == RESULTS.unstable_state:
+    if fitted.problem.function(fitted.unit)[2] == RESULTS.unstable_state:
         warn("The fitted equilibrium is not stable: its stiffness is negative in some motion.")
-    for item in found.data:
+    for item in fitted.data:
         try:
             if item.check is not None:
-                item.check(found.model)
+                item.check(fitted.model)
         except ValueError as fault:
             warn(f"At the fitted parameters: {fault}")
-    if found.result is RESULTS.poor_fit:
-        far = [f"{name} {number} ({size:+.1f})" for name, number, size in found.largest_residuals()[:4]]
+    if fitted.result is RESULTS.poor_fit:
+        far = [f"{name} {number} ({size:+.1f})" for name, number, size in fitted.largest_residuals()[:4]]
         named = f" Furthest, in standard deviations: {', '.join(far)}." if far else ""
-        warn(f"The model does not fit the data: {found.reason}.{named} The intervals hold for a model that fits.")
-    if found.active:
-        warn(f"The fit is at a bound: {', '.join(found.active)}. The standard deviations neglect the bound.")
-    if found.undetermined:
-        texts = "; ".join(str(combination) for combination in found.undetermined)
+        warn(f"The model does not fit the data: {fitted.reason}.{named} The intervals hold for a model that fits.")
+    if fitted.active:
+        warn(f"The fit is at a bound: {', '.join(fitted.active)}. The standard deviations neglect the bound.")
+    if fitted.undetermined:
+        texts = "; ".join(str(combination) for combination in fitted.undetermined)
         warn(f"The data do not determine {texts}. Measure another quantity, add a prior, or fix a parameter.")

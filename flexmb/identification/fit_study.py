@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..design.study_file import StudyReader
-from ..design.study_parts import function_of, naming
-from ..errors import StudyError, clean
+from ..design.study_parts import function_of, naming_study
+from ..errors import StudyError, printable
 from ..spacar.read import read_spacar
 from .fit import fit
 from .fitted import Fit
@@ -57,7 +57,7 @@ class FitStudy:
 
     def fit(self, *, throw: bool = False) -> Fit:
         """Run :func:`flexmb.fit`; a StudyError names the file."""
-        with naming(f"{self.name}: ", UNTRACED):
+        with naming_study(f"{self.name}: ", UNTRACED):
             options = {"scales": self.scales, "priors": self.priors, **self.options}
             return fit(self.build, self.data, self.values, self.bounds, throw=throw, **options)
 
@@ -70,16 +70,16 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
         if reader.data.get("choices"):
             raise StudyError("[choices]: a fit has no choices. Give one value of each as a parameter.")
         parameters = reader.parameters()
-        free = {name: given for name, given in parameters.items() if "lower" in given}
+        free = {name: entry for name, entry in parameters.items() if "lower" in entry}
         if not free:
             raise StudyError("[parameters]: give at least one lower and upper.")
-        fixed = {name: given["value"] for name, given in parameters.items() if name not in free}
+        fixed = {name: entry["value"] for name, entry in parameters.items() if name not in free}
         items = measurements_of(reader.name, reader.path.parent, reader.data["data"])
         of_data = {name for item in items for name in item.parameters}
-        accepted = _accepted(reader, {name: given["value"] for name, given in parameters.items()})
-        taken = [name for name in parameters if name not in of_data or name in accepted]
-        own_fixed = tuple((name, value) for name, value in fixed.items() if name in taken)
-        own_free = tuple(name for name in free if name in taken)
+        accepted = _accepted(reader, {name: entry["value"] for name, entry in parameters.items()})
+        arguments = [name for name in parameters if name not in of_data or name in accepted]
+        own_fixed = tuple((name, value) for name, value in fixed.items() if name in arguments)
+        own_free = tuple(name for name in free if name in arguments)
         builder = reader.builder(own_fixed, own_free)
         options = dict(reader.data.get("fit", {}))
         level = options.pop("level", 0.95)
@@ -90,10 +90,10 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
             _with_signature(builder, own_free),
             builder,
             [_with_fixed(item, fixed) for item in items],
-            {name: given["value"] for name, given in free.items()},
-            {name: (given["lower"], given["upper"]) for name, given in free.items()},
-            {name: given["scale"] for name, given in free.items() if "scale" in given},
-            {name: given["prior"] for name, given in free.items() if "prior" in given},
+            {name: entry["value"] for name, entry in free.items()},
+            {name: (entry["lower"], entry["upper"]) for name, entry in free.items()},
+            {name: entry["scale"] for name, entry in free.items() if "scale" in entry},
+            {name: entry["prior"] for name, entry in free.items() if "prior" in entry},
             options,
             level,
         )
@@ -130,8 +130,8 @@ def _with_fixed(item: Measured, fixed: Mapping[str, float]) -> Measured:
     def answer(model: Any, **parameters: Any) -> Any:
         return item.answer(model, **known, **parameters)
 
-    rest = tuple(name for name in item.parameters if name not in known)
-    return dataclasses.replace(item, answer=answer, parameters=rest)
+    remaining = tuple(name for name in item.parameters if name not in known)
+    return dataclasses.replace(item, answer=answer, parameters=remaining)
 
 
 def fit_answer(study: FitStudy, found: Fit, version: str) -> dict[str, Any]:
@@ -189,6 +189,6 @@ def fit_arrays(found: Fit) -> dict[str, np.ndarray]:
     arrays = {}
     for name, value in named:
         if name in arrays or name == "about":
-            raise StudyError(f"'{clean(name)}' is a name that --save uses for another array: choose another name.")
+            raise StudyError(f"'{printable(name)}' is a name that --save uses for another array: choose another name.")
         arrays[name] = np.asarray(value)
     return arrays

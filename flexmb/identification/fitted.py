@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_number, check_whole
-from ..design.designs import numbers
+from ..design.designs import double_numbers
 from ..design.evaluate import Answers, named_answers
-from ..design.possible import refusal
+from ..design.possible import refusal_of_designs
 from ..display import Result, Summary
-from ..errors import clean
+from ..errors import printable
 from ..numerical_limits import OUTLIER, PART_IN_COMBINATION
 from ..results import RESULTS
 from .measurement import Measured, in_deviations, measurements
@@ -119,7 +119,7 @@ class Fit(Result):
 
     def _place(self, name: str) -> int:
         if name not in self.labels:
-            raise KeyError(f"There is no parameter '{clean(name)}': parameters are {', '.join(self.labels)}.")
+            raise KeyError(f"There is no parameter '{printable(name)}': parameters are {', '.join(self.labels)}.")
         return self.labels.index(name)
 
     def _quantile(self, level: float) -> float:
@@ -193,11 +193,11 @@ class Fit(Result):
         starts: dict[float, np.ndarray] = {float(self.unit[i]): self.unit}
 
         def cost(place: float) -> float:
-            near = min(starts, key=lambda known: abs(known - place))
-            found = self.problem.solve(starts[near], fixed={i: place})
-            if np.isfinite(found.cost):
-                starts[place] = found.unit
-            return found.cost
+            nearest = min(starts, key=lambda known: abs(known - place))
+            solution = self.problem.solve(starts[nearest], fixed={i: place})
+            if np.isfinite(solution.cost):
+                starts[place] = solution.unit
+            return solution.cost
 
         def end(side: int) -> float:
             inner, outer = float(self.unit[i]), float(self.unit[i])
@@ -314,7 +314,7 @@ class Fit(Result):
             if item.scatter is None:
                 raise ValueError(f"Candidate '{item.name}' has no deviation: give what is expected.")
         names = [narrow] if isinstance(narrow, str) else list(narrow or ())
-        wanted = [self._slopes_of(name) for name in names]
+        narrowed_slopes = [self._slopes_of(name) for name in names]
         _, slopes, layout = self.problem.asked_at(self.unit, {item.name: prediction_of(item) for item in items})
         ends = np.cumsum(layout.sizes)
         differences, present, _ = self.problem.residuals(self.unit)
@@ -325,8 +325,8 @@ class Fit(Result):
         for item, size, last in zip(items, layout.sizes, ends, strict=True):
             added = in_deviations(item, slopes[last - size : last])
             after = np.linalg.inv(information + added.T @ added)
-            if wanted:
-                rows = np.concatenate(wanted)
+            if narrowed_slopes:
+                rows = np.concatenate(narrowed_slopes)
                 ratio = np.sum((rows @ after) * rows, axis=1) / np.sum((rows @ before) * rows, axis=1)
                 share = float(np.sqrt(np.mean(ratio)))
             else:
@@ -339,13 +339,13 @@ class Fit(Result):
         if name in self.labels:
             return np.eye(len(self.labels))[[self._place(name)]]
         try:
-            functions = {key: _of_model(one) for key, one in named_answers(name).items()}
+            functions = {key: _of_model(function) for key, function in named_answers(name).items()}
             slopes = self.problem.asked_at(self.unit, functions)[1]
         except KeyError:
             known = ", ".join(self.labels)
-            raise KeyError(f"There is no parameter or question '{clean(name)}': parameters are {known}.") from None
+            raise KeyError(f"There is no parameter or question '{printable(name)}': parameters are {known}.") from None
         if np.any(~np.any(slopes != 0, axis=1)):
-            raise ValueError(f"'{clean(name)}' depends on no parameter.")
+            raise ValueError(f"'{printable(name)}' depends on no parameter.")
         return slopes
 
     def again(self, values: Any) -> "Refitted":
@@ -362,7 +362,7 @@ class Fit(Result):
         Raises:
             ValueError: There is no set, a set has another number of values, or a value is not finite.
         """
-        sets = np.atleast_2d(numbers("Sets of values", values))
+        sets = np.atleast_2d(double_numbers("Sets of values", values))
         if sets.ndim != 2 or not len(sets) or sets.shape[1] != len(self.problem.measured):
             raise ValueError(f"Give sets of {len(self.problem.measured)} values each, not an array of {sets.shape}.")
         if len(wrong := np.argwhere(~np.isfinite(sets))):
@@ -374,12 +374,14 @@ class Fit(Result):
             noise, squares = np.sqrt(squares / max(self.freedom, 1)), np.full(len(sets), np.nan)
         scaling, layout = self.problem.scaling, self.problem.layout
         deviations = [
-            scaled_deviations(root, one or np.finfo(float).tiny) * scaling.slopes(unit)
-            for root, one, unit in zip(ends.roots, noise, ends.units, strict=True)
+            scaled_deviations(root, set_noise or np.finfo(float).tiny) * scaling.slopes(unit)
+            for root, set_noise, unit in zip(ends.roots, noise, ends.units, strict=True)
         ]
         parameters = layout.stacked(scaling.to_dimensions(ends.units))
         # The traced build of the search cannot check numbers.
-        refused = refusal(self.problem.build, self.problem.models, layout.split(self.problem.first))(parameters)
+        refused = refusal_of_designs(self.problem.build, self.problem.models, layout.split(self.problem.first))(
+            parameters
+        )
         return Refitted(parameters, layout.stacked(deviations), squares, ends.converged & ~refused)
 
     def summary(self) -> Summary:
@@ -401,12 +403,12 @@ class Fit(Result):
 
     def largest_residuals(self) -> list[tuple[str, int, float]]:
         """Return name, number (from 1) and difference of values beyond three deviations, the largest first."""
-        found = [
+        outliers = [
             (name, int(i) + 1, float(rows[i]))
             for name, rows in self.residuals.items()
             for i in np.flatnonzero(np.abs(rows) > OUTLIER * self.noise)
         ]
-        return sorted(found, key=lambda entry: -abs(entry[2]))
+        return sorted(outliers, key=lambda entry: -abs(entry[2]))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -474,8 +476,8 @@ class Refitted:
 def scaled_covariance(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the covariance of scaled parameters in determined directions, (n, n), and other directions as columns."""
     deviations, columns, wide = directions(slopes, noise)
-    kept = columns[:, ~wide] * deviations[~wide]
-    return kept @ kept.T, columns[:, wide]
+    root = columns[:, ~wide] * deviations[~wide]
+    return root @ root.T, columns[:, wide]
 
 
 def scaled_deviations(slopes: np.ndarray, noise: float) -> np.ndarray:

@@ -10,8 +10,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..design.designs import numbers
-from ..errors import clean
+from ..design.designs import double_numbers
+from ..errors import printable
 from ..numerical_limits import MISTAKEN_UNIT
 from ..questions.question import asked
 
@@ -84,10 +84,10 @@ def check_unit(item: Measured, computed: np.ndarray) -> None:
     if item.relative:
         _refuse_ratio(item, float(np.exp(-np.median(computed[: len(computed) // 2]))))
         return
-    both = (item.values != 0) & (computed != 0)
-    if not np.any(both):
+    nonzero = (item.values != 0) & (computed != 0)
+    if not np.any(nonzero):
         return
-    _refuse_ratio(item, float(np.median(np.abs(item.values[both] / computed[both]))))
+    _refuse_ratio(item, float(np.median(np.abs(item.values[nonzero] / computed[nonzero]))))
 
 
 def _refuse_ratio(item: Measured, ratio: float) -> None:
@@ -135,17 +135,21 @@ def measured(
     """
     function, given_name, parameters = _answer_of(answer)
     name = given_name if name is None else str(name)
-    what = f"Measurement '{clean(name)}'"
-    array = np.atleast_1d(numbers(f"{what}: values", values))
+    subject = f"Measurement '{printable(name)}'"
+    array = np.atleast_1d(double_numbers(f"{subject}: values", values))
     if array.ndim > 1:
-        raise ValueError(f"{what} must have one number or a list of values, but its values have shape {array.shape}.")
+        raise ValueError(
+            f"{subject} must have one number or a list of values, but its values have shape {array.shape}."
+        )
     wrong = np.flatnonzero(~np.isfinite(array))
     if len(wrong):
-        raise ValueError(f"{what} has a value that is not finite, number {wrong[0] + 1} of {len(array)}. Leave it out.")
-    scatter = _scatter(what, len(array), deviation, covariance)
-    places = None if over is None else np.atleast_1d(numbers(f"{what}: places", over))
+        raise ValueError(
+            f"{subject} has a value that is not finite, number {wrong[0] + 1} of {len(array)}. Leave it out."
+        )
+    scatter = _scatter(subject, len(array), deviation, covariance)
+    places = None if over is None else np.atleast_1d(double_numbers(f"{subject}: places", over))
     if places is not None and places.shape != array.shape:
-        raise ValueError(f"{what} has {len(array)} values at {places.size} places: give one place for each value.")
+        raise ValueError(f"{subject} has {len(array)} values at {places.size} places: give one place for each value.")
     return Measured(name, function, array, scatter, parameters, places, str(label))
 
 
@@ -157,7 +161,7 @@ def _answer_of(answer: Any) -> tuple[Callable[..., Any], str, tuple[str, ...]]:
     if isinstance(answer, Sequence) and answer and all(isinstance(text, str) for text in answer):
         questions = [asked(text) for text in answer]
         return lambda model: jnp.stack([question(model) for question in questions]), ", ".join(answer), ()
-    raise TypeError(f"The answer of a measurement must be a question or a function, but is {clean(repr(answer))}.")
+    raise TypeError(f"The answer of a measurement must be a question or a function, but is {printable(repr(answer))}.")
 
 
 def _further_arguments(function: Callable[..., Any]) -> tuple[str, ...]:
@@ -169,28 +173,28 @@ def _further_arguments(function: Callable[..., Any]) -> tuple[str, ...]:
     return tuple(p.name for p in parameters if p.kind in named and p.default is p.empty)
 
 
-def _scatter(what: str, count: int, deviation: Any, covariance: Any) -> np.ndarray | None:
+def _scatter(subject: str, count: int, deviation: Any, covariance: Any) -> np.ndarray | None:
     if covariance is not None:
         if deviation is not None:
-            raise ValueError(f"{what} has both deviation and covariance: give one.")
-        matrix = numbers(f"{what}: covariance", covariance)
+            raise ValueError(f"{subject} has both deviation and covariance: give one.")
+        matrix = double_numbers(f"{subject}: covariance", covariance)
         if matrix.shape != (count, count):
             raise ValueError(
-                f"{what} has {count} values and a covariance of shape {matrix.shape}: give one of {count, count}."
+                f"{subject} has {count} values and a covariance of shape {matrix.shape}: give one of {count, count}."
             )
         if not np.allclose(matrix, matrix.T):
-            raise ValueError(f"{what} has a covariance that is not symmetric.")
+            raise ValueError(f"{subject} has a covariance that is not symmetric.")
         try:
             return np.linalg.cholesky(matrix)
         except np.linalg.LinAlgError:
-            raise ValueError(f"{what} has a covariance that is not positive definite.") from None
+            raise ValueError(f"{subject} has a covariance that is not positive definite.") from None
     if deviation is None:
         return None
-    array = numbers(f"{what}: deviation", deviation)
+    array = double_numbers(f"{subject}: deviation", deviation)
     if array.shape not in ((), (1,), (count,)):
-        raise ValueError(f"{what} has {count} values and {array.size} deviations: give one, or one for each value.")
+        raise ValueError(f"{subject} has {count} values and {array.size} deviations: give one, or one for each value.")
     if not np.all(np.isfinite(array) & (array > 0)):
-        raise ValueError(f"{what} has a deviation of {np.min(array):g}: deviations are positive.")
+        raise ValueError(f"{subject} has a deviation of {np.min(array):g}: deviations are positive.")
     return np.broadcast_to(array, (count,)).astype(float)
 
 
@@ -212,7 +216,7 @@ def measurements(data: Any) -> list[Measured]:
         items = list(data)
     for item in items:
         if not isinstance(item, Measured):
-            raise TypeError(f"Data must be measurements, such as fm.measured(..), but one is {clean(repr(item))}.")
+            raise TypeError(f"Data must be measurements, such as fm.measured(..), but one is {printable(repr(item))}.")
     if not items:
         raise ValueError("Give at least one measurement.")
     twice = [item.name for i, item in enumerate(items) if item.name in [other.name for other in items[:i]]]
@@ -234,6 +238,7 @@ def _of_entry(name: Any, entry: Any) -> Measured:
         values, deviation = entry
     except (TypeError, ValueError):
         raise TypeError(
-            f"Measurement '{clean(name)}' must be a pair of value and standard deviation, but is {clean(repr(entry))}."
+            f"Measurement '{printable(name)}' must be a pair of value and standard deviation, but is"
+            f" {printable(repr(entry))}."
         ) from None
     return measured(name, values, deviation)

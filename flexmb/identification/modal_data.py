@@ -205,8 +205,8 @@ class _Rows:
 
     def solved(self, poles: Any) -> tuple[np.ndarray, np.ndarray]:
         """Return differences in standard deviations, (rows,), and linear coefficients, (coefficients, outputs)."""
-        rows, found, _ = self._projected(poles, ())
-        return rows, found
+        rows, coefficients, _ = self._projected(poles, ())
+        return rows, coefficients
 
     def slopes(self, poles: Any) -> np.ndarray:
         """Return derivatives of differences by logarithms of modulus and damping ratio of the poles, (rows, 2 modes).
@@ -225,13 +225,13 @@ class _Rows:
     def _projected(self, poles: Any, changes: Sequence[Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return differences, linear coefficients, and changes of the response orthogonal to the basis."""
         basis, count = self.basis(poles), len(poles)
-        rows, found, slopes = [], [], []
+        rows, coefficients, slopes = [], [], []
         for values, spread in zip(self.values.T, self.spread.T, strict=True):
             matrix, right = _real(basis / spread[:, None]), _real(values / spread)
             orthogonal, triangle = np.linalg.qr(matrix)
             solution = np.linalg.solve(triangle, orthogonal.T @ right)
             rows.append(matrix @ solution - right)
-            found.append(solution)
+            coefficients.append(solution)
             parts = [
                 _real((of_real * solution[:count] + of_imaginary * solution[count : 2 * count]) / spread[:, None])
                 for of_real, of_imaginary in changes
@@ -239,7 +239,11 @@ class _Rows:
             if parts:
                 moved = np.concatenate(parts, axis=1)
                 slopes.append(moved - orthogonal @ (orthogonal.T @ moved))
-        return np.concatenate(rows), np.stack(found, axis=1), np.concatenate(slopes) if slopes else np.zeros((0, 0))
+        return (
+            np.concatenate(rows),
+            np.stack(coefficients, axis=1),
+            np.concatenate(slopes) if slopes else np.zeros((0, 0)),
+        )
 
     def residues(self, poles: Any, coefficients: np.ndarray) -> np.ndarray:
         """Return residues of the poles with positive frequency, (outputs, modes)."""
@@ -255,7 +259,7 @@ def _candidates(rows: _Rows) -> np.ndarray:
     """Return different stable poles in the band, from rational functions of each response."""
     from scipy.interpolate import AAA
 
-    found: list[complex] = []
+    stable: list[complex] = []
     points = np.concatenate([rows.s, -rows.s])
     for values in rows.values.T:
         for terms in TERMS:
@@ -269,38 +273,38 @@ def _candidates(rows: _Rows) -> np.ndarray:
                 ).poles()
             ratio = -poles.real / np.abs(poles)
             inside = (poles.imag > 0.9 * rows.low) & (poles.imag < 1.1 * rows.high)
-            found += poles[inside & (ratio > 0) & (ratio < LARGEST_RATIO_OF_MODE)].tolist()
-    kept: list[complex] = []
-    for pole in sorted(found, key=abs):
-        if not any(abs(pole - other) < SAME_POLE * abs(pole) for other in kept):
-            kept.append(pole)
-    return np.array(kept)
+            stable += poles[inside & (ratio > 0) & (ratio < LARGEST_RATIO_OF_MODE)].tolist()
+    different: list[complex] = []
+    for pole in sorted(stable, key=abs):
+        if not any(abs(pole - other) < SAME_POLE * abs(pole) for other in different):
+            different.append(pole)
+    return np.array(different)
 
 
-def _chosen(rows: _Rows, candidates: np.ndarray, wanted: int | None, most: int) -> np.ndarray:
+def _chosen(rows: _Rows, candidates: np.ndarray, count: int | None, most: int) -> np.ndarray:
     """Add poles one after the other: each time the pole that reduces the differences most."""
     chosen, score = np.zeros(0, complex), np.inf
     values = 2 * rows.values.size
     while len(chosen) < most:
         trials = np.concatenate([candidates, _at_differences(rows, chosen)])
-        left = [p for p in trials if not np.any(np.abs(chosen - p) < SAME_POLE * abs(p))]
-        costs = [float(np.sum(rows.solved(np.append(chosen, pole))[0] ** 2)) for pole in left]
-        found = []
+        distinct = [p for p in trials if not np.any(np.abs(chosen - p) < SAME_POLE * abs(p))]
+        costs = [float(np.sum(rows.solved(np.append(chosen, pole))[0] ** 2)) for pole in distinct]
+        refined = []
         for i in np.argsort(costs)[:TRIED]:
-            more = _refined(rows, np.append(chosen, left[int(i)]))
-            found.append((float(np.sum(rows.solved(more)[0] ** 2)), more))
-        if not found:
+            more = _refined(rows, np.append(chosen, distinct[int(i)]))
+            refined.append((float(np.sum(rows.solved(more)[0] ** 2)), more))
+        if not refined:
             break
-        cost, more = min(found, key=lambda pair: pair[0])
+        cost, more = min(refined, key=lambda pair: pair[0])
         numbers = len(more) * (2 + 2 * rows.values.shape[1])
         new = values * np.log(max(cost, np.finfo(float).tiny)) + numbers * np.log(values)
-        if wanted is None and (new >= score or not _are_modes(rows, more, cost)):
+        if count is None and (new >= score or not _are_modes(rows, more, cost)):
             break
         chosen, score = more, new
-    if len(chosen) < (wanted or 1):
+    if len(chosen) < (count or 1):
         raise AnalysisError(
             RESULTS.not_converged.name,
-            f"Of {wanted or 1} modes {len(chosen)} were found in the responses. Ask for fewer, or measure more points.",
+            f"Of {count or 1} modes {len(chosen)} were found in the responses. Ask for fewer, or measure more points.",
         )
     return chosen
 
@@ -343,14 +347,14 @@ def _refined(rows: _Rows, poles: Any) -> np.ndarray:
     count = len(poles)
     lower = np.concatenate([first[:count] - 0.3, np.full(count, np.log(1e-8))])
     upper = np.concatenate([first[:count] + 0.3, np.full(count, np.log(LARGEST_RATIO_OF_MODE))])
-    found = least_squares(
+    solution = least_squares(
         lambda numbers: rows.solved(poles_of(numbers))[0],
         first,
         jac=lambda numbers: rows.slopes(poles_of(numbers)),  # pyright: ignore[reportArgumentType]
         bounds=(lower, upper),
         x_scale="jac",
     )
-    return poles_of(found.x)
+    return poles_of(solution.x)
 
 
 def _real_shapes(residues: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_whole
-from ..design.designs import numbers
+from ..design.designs import double_numbers
 from ..linear.linearize import linearize
 from ..linear.modes import frequencies
 from ..linear.spectrum import spectrum, to_frequency
@@ -53,7 +53,7 @@ def measured_modes(
     Source:
         Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).
     """
-    found = np.atleast_1d(numbers(f"Measurement '{name}': values", hertz))
+    found = np.atleast_1d(double_numbers(f"Measurement '{name}': values", hertz))
     count = len(found)
     if shapes is None:
         if len(at):
@@ -82,7 +82,7 @@ def measured_modes(
         return measured(answer_by_number, found, deviation, name=name, over=which, label="mode")
     if numbers_of_modes is not None:
         raise ValueError(f"Measurement '{name}' has shapes, which select the modes: leave out `numbers_of_modes`.")
-    matrix = numbers(f"Measurement '{name}': shapes", shapes)
+    matrix = double_numbers(f"Measurement '{name}': shapes", shapes)
     if matrix.shape != (len(at), count) or not np.all(np.isfinite(matrix)):
         raise ValueError(
             f"Measurement '{name}' has {count} frequencies and {len(at)} sensors, but shapes of {matrix.shape}: give"

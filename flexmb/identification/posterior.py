@@ -16,7 +16,7 @@ from ..design.evaluate import Answers, flat_function, named_answers
 from ..design.sweep import sweep
 from ..design.swept import Sweep
 from ..display import Result, Summary
-from ..errors import clean, warn
+from ..errors import printable, warn
 from ..numerical_limits import FEW_DRAWS, NOT_MIXED
 from .problem import GOOD, FitProblem, prediction_of
 
@@ -64,7 +64,7 @@ class Posterior(Result):
         """
         check_number("level", level, above=0, most=1)
         if name not in self.labels:
-            raise KeyError(f"There is no parameter '{clean(name)}': parameters are {', '.join(self.labels)}.")
+            raise KeyError(f"There is no parameter '{printable(name)}': parameters are {', '.join(self.labels)}.")
         column = self.rows[:, self.labels.index(name)]
         lower, upper = np.quantile(column, [(1 - level) / 2, (1 + level) / 2])
         return float(lower), float(upper)
@@ -79,8 +79,8 @@ class Posterior(Result):
         Returns:
             Sweep over the samples.
         """
-        whole = len(self.rows)
-        rows = np.unique(np.linspace(0, whole - 1, min(check_whole("samples", samples, 1), whole)).astype(int))
+        count = len(self.rows)
+        rows = np.unique(np.linspace(0, count - 1, min(check_whole("samples", samples, 1), count)).astype(int))
         problem = self.problem
 
         def build(**parameters: Any) -> Any:
@@ -136,7 +136,7 @@ def sampled_posterior(
     units = 1 / (1 + np.exp(-(logit + white @ root.T)))
     flat = np.asarray(problem.scaling.to_dimensions(units))
     labels = tuple(problem.layout.labels)
-    found = Posterior(
+    posterior = Posterior(
         problem.layout.stacked(flat.reshape(-1, len(at))),
         labels,
         dict(zip(labels, np.asarray(diagnostics.split_gelman_rubin(flat)).tolist(), strict=True)),
@@ -144,8 +144,8 @@ def sampled_posterior(
         int(np.sum(np.asarray(run.get_extra_fields()["diverging"]))),
         problem,
     )
-    _tell(found)
-    return found
+    _tell(posterior)
+    return posterior
 
 
 def _numpyro() -> tuple[Any, Any]:
@@ -165,17 +165,17 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
         unit = jax.nn.sigmoid(logit)
         values, code = function(scaling.to_dimensions(unit))
         square = jnp.sum(problem.weighted(values - measured) ** 2)
-        found = -square / 2 if known else -len(problem.measured) / 2 * jnp.log(square)
+        total = -square / 2 if known else -len(problem.measured) / 2 * jnp.log(square)
         # Density of the logit of a scaled parameter that is uniform between its bounds. A prior multiplies it below.
-        found += jnp.sum(jax.nn.log_sigmoid(logit) + jax.nn.log_sigmoid(-logit))
+        total += jnp.sum(jax.nn.log_sigmoid(logit) + jax.nn.log_sigmoid(-logit))
         flat = scaling.to_dimensions(unit)
         for i, prior in problem.priors.items():
-            found -= ((flat[i] - prior.mean) / prior.deviation) ** 2 / 2
+            total -= ((flat[i] - prior.mean) / prior.deviation) ** 2 / 2
             if scaling.log[i]:
-                found += jnp.log(flat[i])
+                total += jnp.log(flat[i])
         # Mechanisms without an answer are impossible.
         good = jnp.any(code == jnp.array([int(one) for one in GOOD]))
-        return jnp.where(good, found, -jnp.inf)
+        return jnp.where(good, total, -jnp.inf)
 
     return log_density
 

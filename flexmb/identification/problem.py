@@ -160,8 +160,8 @@ class FitProblem:
     def residuals(self, unit: np.ndarray, values: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray, int]:
         """Return weighted differences, measurements before priors, their slopes, and a code of RESULTS."""
         computed, slopes, code = self.function(unit)
-        wanted = self.measured if values is None else values
-        rows, slope_rows = [self.weighted(computed - wanted)], [self.weighted(slopes)]
+        measured = self.measured if values is None else values
+        rows, slope_rows = [self.weighted(computed - measured)], [self.weighted(slopes)]
         if self.priors:
             flat, change = self.scaling.to_dimensions(unit), self.scaling.slopes(unit)
             for i, prior in self.priors.items():
@@ -204,7 +204,7 @@ class FitProblem:
         inside = np.clip(np.asarray(start, float)[free], 1e-6, 1 - 1e-6)
         if not np.all(np.isfinite(at(inside)[0])):
             return Solution(whole(inside), np.inf, 1, False)
-        found = scipy.optimize.least_squares(
+        solution = scipy.optimize.least_squares(
             lambda part: at(part)[0],
             inside,
             jac=lambda part: at(part)[1],  # pyright: ignore[reportArgumentType]
@@ -216,7 +216,7 @@ class FitProblem:
             gtol=SETTLED_PARAMETERS,
             max_nfev=self.max_evaluations,
         )
-        return Solution(whole(found.x), 2 * float(found.cost), count, found.status > 0)
+        return Solution(whole(solution.x), 2 * float(solution.cost), count, solution.status > 0)
 
 
 def prediction_of(item: Measured) -> Callable[[Any], Any]:

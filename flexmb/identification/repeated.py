@@ -9,8 +9,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..compilation.compile import OPTIONS, name_of, under_name, unguarded
-from ..compilation.threads import cores, each
+from ..compilation.compile import OPTIONS, program_name, under_name, unguarded
+from ..compilation.threads import cores, in_threads
 from ..numerical_limits import SETTLED_COST, SETTLED_PARAMETERS
 from .problem import FitProblem, robust, weighted_slopes
 
@@ -57,13 +57,13 @@ def repeated(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfS
 
 
 def _by_scipy(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOfSearches:
-    found = [problem.solve(unit, values=values) for values in sets]
+    solutions = [problem.solve(unit, values=values) for values in sets]
     squares, roots = [], []
-    for solution, values in zip(found, sets, strict=True):
+    for solution, values in zip(solutions, sets, strict=True):
         rows, slopes, _ = problem.residuals(solution.unit, values)
         squares.append(np.sum(rows**2))
         roots.append(np.linalg.qr(weighted_slopes(rows, slopes, problem.loss), mode="r"))
-    units, converged = np.array([one.unit for one in found]), np.array([one.converged for one in found])
+    units, converged = np.array([end.unit for end in solutions]), np.array([end.converged for end in solutions])
     return EndsOfSearches(units, np.array(squares), np.array(roots), converged)
 
 
@@ -76,9 +76,9 @@ def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOf
     count = len(sets)
     places = [np.minimum(np.arange(first, first + TOGETHER), count - 1) for first in range(0, count, TOGETHER)]
     program = _program(problem)
-    done = each(lambda own: program(sets[own], rows[own], slopes, unit), places, cores())
+    ends = in_threads(lambda own: program(sets[own], rows[own], slopes, unit), places, cores())
     return EndsOfSearches(
-        *(np.concatenate([np.asarray(part) for part in parts])[:count] for parts in zip(*done, strict=True))
+        *(np.concatenate([np.asarray(part) for part in parts])[:count] for parts in zip(*ends, strict=True))
     )
 
 
@@ -88,7 +88,7 @@ def _program(problem: FitProblem) -> Any:
     k = m + len(problem.priors)
     shapes = (TOGETHER, m), (TOGETHER, k), (k, n), (n,)
     # Thousands of runs pay for a thorough compilation.
-    function = under_name(_every(problem), name_of(repeated), OPTIONS["thorough"])
+    function = under_name(_every(problem), program_name(repeated), OPTIONS["thorough"])
     return function.lower(*(jax.ShapeDtypeStruct(shape, float) for shape in shapes)).compile()
 
 
@@ -117,9 +117,9 @@ def _every(problem: FitProblem) -> Callable[..., Any]:
             weights = jnp.sqrt(robust(point.rows, loss)[1])
             gradient = (point.slopes * weights[:, None]).T @ (point.rows * weights)
             # A parameter at a bound stays there if the cost falls outwards only.
-            held = ((point.unit <= 0) & (gradient > 0)) | ((point.unit >= 1) & (gradient < 0))
-            gradient = jnp.where(held, 0.0, gradient)
-            root = jnp.linalg.qr(jnp.where(held[None], 0.0, point.slopes * weights[:, None]), mode="r")
+            blocked = ((point.unit <= 0) & (gradient > 0)) | ((point.unit >= 1) & (gradient < 0))
+            gradient = jnp.where(blocked, 0.0, gradient)
+            root = jnp.linalg.qr(jnp.where(blocked[None], 0.0, point.slopes * weights[:, None]), mode="r")
             newton = _damped(root, gradient, LEAST_DAMPING)
             fall = -(2 * gradient @ newton + jnp.sum((root @ newton) ** 2))
             # Round-off of the cost may refuse a step without effect.
@@ -162,7 +162,7 @@ def _damped(root: Float[Array, "n n"], gradient: Float[Array, "n"], damping: Any
     """Return the step -(R^T R + damping D^2)^-1 gradient, where D contains the norms of the columns of R."""
     sizes = jnp.linalg.norm(root, axis=0)
     sizes = jnp.where(sizes > 0, sizes, 1.0)
-    both = jnp.concatenate([root / sizes[None], jnp.sqrt(damping) * jnp.eye(len(sizes))])
-    triangle = jnp.linalg.qr(both, mode="r")
+    stacked = jnp.concatenate([root / sizes[None], jnp.sqrt(damping) * jnp.eye(len(sizes))])
+    triangle = jnp.linalg.qr(stacked, mode="r")
     inner = jax.scipy.linalg.solve_triangular(triangle, gradient / sizes, trans=1)
     return -jax.scipy.linalg.solve_triangular(triangle, inner) / sizes

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..control.frequency_response import frequency_response
-from ..design.designs import numbers
+from ..design.designs import double_numbers
 from .measurement import Measured, measured
 
 
@@ -52,7 +52,7 @@ def measured_response(
     Source:
         y = gain exp(-2 pi i f delay) H(2 pi i f) u.
     """
-    places = np.atleast_1d(numbers(f"Measurement '{name}': frequencies", hertz))
+    places = np.atleast_1d(double_numbers(f"Measurement '{name}': frequencies", hertz))
     response: Any = np.atleast_1d(np.asarray(values, complex))
     if places.ndim > 1 or response.shape != places.shape:
         raise ValueError(
@@ -71,21 +71,21 @@ def measured_response(
     def answer(model: Any, **parameters: Any) -> Float[Array, "2*n_f"]:
         loss = parameters[loss_factor] if isinstance(loss_factor, str) else loss_factor
         asked = jnp.asarray(places)
-        found: Any = frequency_response(model, asked, outputs=output, inputs=input, loss_factor=loss).of()
+        computed: Any = frequency_response(model, asked, outputs=output, inputs=input, loss_factor=loss).of()
         if gain is not None:
-            found = found * jnp.asarray(parameters[gain], complex)
+            computed = computed * jnp.asarray(parameters[gain], complex)
         if delay is not None:
             angle = -2 * np.pi * places * parameters[delay]
-            found = found * jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
+            computed = computed * jax.lax.complex(jnp.cos(angle), jnp.sin(angle))
         if logarithmic:
-            found = jnp.log(found / response)
-        return jnp.concatenate([found.real, found.imag])
+            computed = jnp.log(computed / response)
+        return jnp.concatenate([computed.real, computed.imag])
 
-    wanted, scatter = np.concatenate([response.real, response.imag]), deviation
+    parts, scatter = np.concatenate([response.real, response.imag]), deviation
     if deviation is not None:
         scatter = np.broadcast_to(np.asarray(deviation, float), places.shape)
         scatter = np.tile(scatter / np.abs(response) if logarithmic else scatter, 2)
     if logarithmic:
-        wanted = np.zeros_like(wanted)
-    single = measured(answer, wanted, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
+        parts = np.zeros_like(parts)
+    single = measured(answer, parts, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
     return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)), relative=logarithmic)

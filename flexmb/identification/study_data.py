@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..control.frequency_response import FrequencyResponse, one_of
+from ..control.frequency_response import FrequencyResponse, place_of_name
 from ..control.universal_file import ENDINGS, TYPES
 from ..design.study_parts import Called, NamedAnswer, function_of, message_of
 from ..design.study_values import (
@@ -23,10 +23,10 @@ from ..design.study_values import (
     as_numbers,
     as_positive,
     as_text,
-    as_whole,
     checked_table,
+    whole_kind,
 )
-from ..errors import StudyError, clean, first_line
+from ..errors import StudyError, first_line, printable
 from ..files import read_whole
 from ..questions.question import Asked
 from .measurement import Measured, measured
@@ -56,13 +56,13 @@ def _true_or_numbers(key: str, value: Any) -> list[int] | None:
     if value is True:
         return None
     if not isinstance(value, list) or not value:
-        raise StudyError(f"{key} must be true or a list of numbers of modes, but is {clean(repr(value))}.")
-    return [as_whole()(key, entry) for entry in value]
+        raise StudyError(f"{key} must be true or a list of numbers of modes, but is {printable(repr(value))}.")
+    return [whole_kind()(key, entry) for entry in value]
 
 
 def _true(key: str, value: Any) -> bool:
     if value is not True:
-        raise StudyError(f"{key} must be true, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be true, but is {printable(repr(value))}.")
     return True
 
 
@@ -72,9 +72,9 @@ def _name_or_number(key: str, value: Any) -> str | float:
 
 def _columns(key: str, value: Any) -> dict[str, str | int]:
     if not isinstance(value, dict):
-        raise StudyError(f"{key} must be a table of names of columns, but is {clean(repr(value))}.")
+        raise StudyError(f"{key} must be a table of names of columns, but is {printable(repr(value))}.")
     return {
-        n: as_text(f"{key} {n}", v) if isinstance(v, str) else as_whole()(f"{key} {n}", v) for n, v in value.items()
+        n: as_text(f"{key} {n}", v) if isinstance(v, str) else whole_kind()(f"{key} {n}", v) for n, v in value.items()
     }
 
 
@@ -87,7 +87,7 @@ KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
         ("values", "deviation", "over"),
     ),
     "modes": (
-        {"modes": _true_or_numbers, "values": as_numbers, "shapes": as_numbers, "at": _texts, "among": as_whole()},
+        {"modes": _true_or_numbers, "values": as_numbers, "shapes": as_numbers, "at": _texts, "among": whole_kind()},
         ("values", "deviation"),
     ),
     "response": (
@@ -104,22 +104,22 @@ KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
 def measurements_of(about: str, folder: Path, data: Mapping[str, Any]) -> list[Measured]:
     """Return the measurements of the table [data] of a study; a StudyError names the key."""
     return [
-        _measurement(f"[data] {clean(name)}", about, folder, as_text("[data]", name), given)
-        for name, given in data.items()
+        _measurement(f"[data] {printable(name)}", about, folder, as_text("[data]", name), table)
+        for name, table in data.items()
     ]
 
 
-def _measurement(key: str, about: str, folder: Path, name: str, given: Any) -> Measured:
-    kind = next((kind for kind in KINDS if isinstance(given, dict) and kind in given), None)
+def _measurement(key: str, about: str, folder: Path, name: str, table: Any) -> Measured:
+    kind = next((kind for kind in KINDS if isinstance(table, dict) and kind in table), None)
     if kind is None:
         raise StudyError(f"{key} must be a table with one of {', '.join(KINDS)}.")
-    own, columns = KINDS[kind]
-    entry = checked_table(key, given, {**own, **EVERY, **FILE})
+    schema, columns = KINDS[kind]
+    entry = checked_table(key, table, {**schema, **EVERY, **FILE})
     if "file" in entry:
         _fill(key, folder, entry, columns, from_universal=kind == "response")
     elif "columns" in entry:
         raise StudyError(f"{key}: columns belong to a file. Give file, or leave columns out.")
-    with _named(key):
+    with _naming_key(key):
         if kind == "response":
             return _response(key, name, entry)
         values = _needed(key, entry, "values")
@@ -129,19 +129,19 @@ def _measurement(key: str, about: str, folder: Path, name: str, given: Any) -> M
             return measured_modes(values, deviation, numbers_of_modes=entry["modes"], name=name, **chosen)
         chosen = {option: entry[option] for option in ("covariance", "over", "label") if option in entry}
         answer, called = _answer(key, about, folder, entry["answer"])
-        made = measured(answer, values, deviation, name=name, **chosen)
-        return made if called is None else dataclasses.replace(made, answer=called)
+        measurement = measured(answer, values, deviation, name=name, **chosen)
+        return measurement if called is None else dataclasses.replace(measurement, answer=called)
 
 
 @contextlib.contextmanager
-def _named(key: str) -> Iterator[None]:
+def _naming_key(key: str) -> Iterator[None]:
     """Turn errors of a measurement into a StudyError with its key."""
     try:
         yield
     except StudyError:
         raise
     except (ValueError, TypeError, KeyError) as fault:
-        raise StudyError(f"{key}: {clean(message_of(fault))}") from fault
+        raise StudyError(f"{key}: {printable(message_of(fault))}") from fault
 
 
 def _needed(key: str, entry: Mapping[str, Any], name: str) -> Any:
@@ -164,9 +164,9 @@ def _answer(key: str, about: str, folder: Path, texts: tuple[str, ...]) -> tuple
         function = function_of(f"{key}: answer", folder, texts[0])
         return function, Called(f"{about}: {key}", texts[0], function, is_answer=True)
     for text in texts:
-        with _named(f"{key}: answer"):
+        with _naming_key(f"{key}: answer"):
             if not Asked(text).question.differentiable:
-                raise StudyError(f"{key}: '{clean(text)}' has no derivatives, which a fit needs.")
+                raise StudyError(f"{key}: '{printable(text)}' has no derivatives, which a fit needs.")
     if len(texts) == 1:
         return texts[0], NamedAnswer(f"{about}: {key}", Asked(texts[0]))
     return list(texts), None
@@ -196,10 +196,10 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
         for option in ("output", "input", "loss_factor", "gain", "delay", "logarithmic")
         if option in entry
     }
-    made = measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
+    measurement = measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
     if "ports" not in entry:
-        return made
-    return dataclasses.replace(made, check=functools.partial(_check_quantities, name, entry))
+        return measurement
+    return dataclasses.replace(measurement, check=functools.partial(_check_quantities, name, entry))
 
 
 def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
@@ -207,11 +207,11 @@ def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
     for kind, port, signals in zip(
         ("output", "input"), entry["ports"], (model.labels.outputs, model.labels.inputs), strict=True
     ):
-        own = signals[one_of(kind, [signal.name for signal in signals], entry.get(kind))].quantity
-        if port.quantity in TYPES and own in TYPES and TYPES[port.quantity] != TYPES[own]:
+        quantity = signals[place_of_name(kind, [signal.name for signal in signals], entry.get(kind))].quantity
+        if port.quantity in TYPES and quantity in TYPES and TYPES[port.quantity] != TYPES[quantity]:
             raise ValueError(
                 f"Measurement '{name}' has the {port.quantity} of an {kind}, but the {kind} of the model is of the"
-                f" quantity {own}. Name an {kind} of the model that is measured."
+                f" quantity {quantity}. Name an {kind} of the model that is measured."
             )
 
 
@@ -221,12 +221,12 @@ def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...
     if path.suffix.lower() in ENDINGS:
         if not from_universal:
             raise StudyError(f"{key}: a universal file has frequency responses. Give response = true.")
-        found = _universal(key, path, entry)
+        by_name = _universal(key, path, entry)
     else:
-        found = _table(key, path, entry.get("columns", {}), columns)
-    for name, values in found.items():
+        by_name = _table(key, path, entry.get("columns", {}), columns)
+    for name, values in by_name.items():
         if name in entry:
-            raise StudyError(f"{key}: {name} is given, and '{clean(path.name)}' has it too. Leave one out.")
+            raise StudyError(f"{key}: {name} is given, and '{printable(path.name)}' has it too. Leave one out.")
         entry[name] = values
 
 
@@ -234,17 +234,17 @@ def _universal(key: str, path: Path, entry: Mapping[str, Any]) -> dict[str, Any]
     """Return frequencies, response and ports of a universal file, data set 58."""
     if "columns" in entry:
         raise StudyError(f"{key}: a universal file has no columns. Leave columns out.")
-    with _named(f"{key}: file"), _readable(key, path):
+    with _naming_key(f"{key}: file"), _readable(key, path):
         try:
-            found = FrequencyResponse.load(path)
+            responses = FrequencyResponse.load(path)
         except ValueError as fault:
-            raise ValueError(first_line(fault).replace(clean(path), clean(path.name))) from fault
-        several = len(found.outputs) * len(found.inputs) > 1
+            raise ValueError(first_line(fault).replace(printable(path), printable(path.name))) from fault
+        several = len(responses.outputs) * len(responses.inputs) > 1
         names = (entry.get("output"), entry.get("input")) if several else (None, None)
-        response: Any = np.asarray(found.of(*names))
-        i, j = one_of("output", found.outputs, names[0]), one_of("input", found.inputs, names[1])
-    ports = found.output_ports[i], found.input_ports[j]
-    return {"hertz": np.asarray(found.hertz), "real": response.real, "imaginary": response.imag, "ports": ports}
+        response: Any = np.asarray(responses.of(*names))
+        i, j = place_of_name("output", responses.outputs, names[0]), place_of_name("input", responses.inputs, names[1])
+    ports = responses.output_ports[i], responses.input_ports[j]
+    return {"hertz": np.asarray(responses.hertz), "real": response.real, "imaginary": response.imag, "ports": ports}
 
 
 @contextlib.contextmanager
@@ -254,7 +254,7 @@ def _readable(key: str, path: Path) -> Iterator[None]:
         yield
     except OSError as fault:
         why = fault.strerror or first_line(fault)
-        raise StudyError(f"{key}: cannot read '{clean(path)}': {clean(why)}.") from None
+        raise StudyError(f"{key}: cannot read '{printable(path)}': {printable(why)}.") from None
     except ImportError as fault:
         raise StudyError(f"{key}: {first_line(fault)}") from None
 
@@ -262,15 +262,15 @@ def _readable(key: str, path: Path) -> Iterator[None]:
 def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple[str, ...]) -> dict[str, np.ndarray]:
     """Return columns of a CSV file by name or number; by default the columns with the names of the quantities."""
     if strangers := [name for name in chosen if name not in columns]:
-        raise StudyError(f"{key}: there is no '{clean(strangers[0])}' in columns. Known: {', '.join(columns)}.")
+        raise StudyError(f"{key}: there is no '{printable(strangers[0])}' in columns. Known: {', '.join(columns)}.")
     with _readable(key, path):
         content = read_whole(path, LARGEST_TABLE)
-    what = f"{key}: '{clean(path.name)}'"
+    subject = f"{key}: '{printable(path.name)}'"
     try:
         text = content.decode()
     except ValueError:
-        raise StudyError(f"{what} is no text in UTF-8.") from None
-    return _columns_of(what, cells_of(what, text), chosen, columns)
+        raise StudyError(f"{subject} is no text in UTF-8.") from None
+    return _columns_of(subject, cells_of(subject, text), chosen, columns)
 
 
 def cells_of(what: str, text: str) -> list[tuple[int, list[str]]]:
@@ -286,27 +286,29 @@ def cells_of(what: str, text: str) -> list[tuple[int, list[str]]]:
 
 
 def _columns_of(
-    what: str, cells: list[tuple[int, list[str]]], chosen: Mapping[str, str | int], columns: tuple[str, ...]
+    subject: str, cells: list[tuple[int, list[str]]], chosen: Mapping[str, str | int], columns: tuple[str, ...]
 ) -> dict[str, np.ndarray]:
     are_numbers = [_is_number(cell) for cell in cells[0][1]]
     by_number = bool(chosen) and all(isinstance(column, int) for column in chosen.values())
     # Columns by number need no header: a row with some numbers is data, of which a cell may be missing.
     header = [] if (any(are_numbers) if by_number else all(are_numbers)) else cells.pop(0)[1]
     if not cells:
-        raise StudyError(f"{what} has no line of numbers.")
-    wanted = chosen or {name: name for name in columns if name in header}
-    if not wanted:
-        named = f" Its columns are: {clean(', '.join(header))}." if header else ""
+        raise StudyError(f"{subject} has no line of numbers.")
+    selected = chosen or {name: name for name in columns if name in header}
+    if not selected:
+        named = f" Its columns are: {printable(', '.join(header))}." if header else ""
         name = f"Name columns, such as {{ {columns[0]} = 2 }}."
-        raise StudyError(f"{what} has no column {' or '.join(columns)}.{named} {name}")
-    for name, column in wanted.items():
+        raise StudyError(f"{subject} has no column {' or '.join(columns)}.{named} {name}")
+    for name, column in selected.items():
         pattern, unit = OTHER_UNITS.get(name, ("$^", ""))
         if isinstance(column, str) and re.search(pattern, column):
-            raise StudyError(f"{what}: column '{clean(column)}' is {name} in another unit. Convert it to {unit}.")
-    places = {name: _place(what, header, column) for name, column in wanted.items()}
+            raise StudyError(
+                f"{subject}: column '{printable(column)}' is {name} in another unit. Convert it to {unit}."
+            )
+    places = {name: _place(subject, header, column) for name, column in selected.items()}
     if not by_number:
-        _check_lengths(what, header, cells)
-    return {name: np.array([_cell(what, i, row, place, name) for i, row in cells]) for name, place in places.items()}
+        _check_lengths(subject, header, cells)
+    return {name: np.array([_cell(subject, i, row, place, name) for i, row in cells]) for name, place in places.items()}
 
 
 def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable[..., Any]]) -> Measured:
@@ -317,30 +319,30 @@ def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable
         text: Content of the file.
         answers: Function of questions that returns the function of the model with their answers.
     """
-    what = f"'{clean(name)}'"
-    cells = cells_of(what, text)
+    subject = f"'{printable(name)}'"
+    cells = cells_of(subject, text)
     if "answer" not in cells[0][1]:
         columns = KINDS["response"][1]
         if "hertz" not in cells[0][1]:
-            raise StudyError(f"{what} has no column answer or hertz. Its first line must name its columns.")
-        with _named(what):
-            return _response(what, name, _columns_of(what, cells, {}, columns))
+            raise StudyError(f"{subject} has no column answer or hertz. Its first line must name its columns.")
+        with _naming_key(subject):
+            return _response(subject, name, _columns_of(subject, cells, {}, columns))
     (_, header), *rows = cells
     if not rows:
-        raise StudyError(f"{what} has no line of numbers.")
-    _check_lengths(what, header, rows)
+        raise StudyError(f"{subject} has no line of numbers.")
+    _check_lengths(subject, header, rows)
     place = header.index("answer")
     if short := [i for i, row in rows if place >= len(row)]:
-        raise StudyError(f"{what}, line {short[0]}: there is no column {place + 1} for answer.")
-    columns = {key: _column(what, header, rows, key) for key in ("value", "deviation")}
-    with _named(what):
+        raise StudyError(f"{subject}, line {short[0]}: there is no column {place + 1} for answer.")
+    columns = {key: _column(subject, header, rows, key) for key in ("value", "deviation")}
+    with _naming_key(subject):
         texts = [row[place] for _, row in rows]
         return measured(answers(texts), columns["value"], columns["deviation"], name=name)
 
 
-def _column(what: str, header: list[str], rows: list[tuple[int, list[str]]], name: str) -> np.ndarray:
-    place = _place(what, header, name)
-    return np.array([_cell(what, i, row, place, name) for i, row in rows])
+def _column(subject: str, header: list[str], rows: list[tuple[int, list[str]]], name: str) -> np.ndarray:
+    place = _place(subject, header, name)
+    return np.array([_cell(subject, i, row, place, name) for i, row in rows])
 
 
 def _check_lengths(what: str, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
@@ -350,25 +352,26 @@ def _check_lengths(what: str, header: list[str], rows: list[tuple[int, list[str]
             raise StudyError(f"{what}, line {i} has {len(row)} cells for {len(header)} columns. {DECIMAL_COMMA}")
 
 
-def _place(what: str, header: list[str], column: str | int) -> int:
+def _place(subject: str, header: list[str], column: str | int) -> int:
     if isinstance(column, int):
         return column - 1
     if header.count(column) != 1:
         many = "several columns" if column in header else "no column"
         raise StudyError(
-            f"{what} has {many} '{clean(column)}'. Its columns are: {clean(', '.join(header)) or 'not named'}."
+            f"{subject} has {many} '{printable(column)}'. Its columns are:"
+            f" {printable(', '.join(header)) or 'not named'}."
         )
     return header.index(column)
 
 
-def _cell(what: str, line: int, row: list[str], place: int, name: str) -> float:
+def _cell(subject: str, line: int, row: list[str], place: int, name: str) -> float:
     if place >= len(row):
-        raise StudyError(f"{what}, line {line}: there is no column {place + 1} for {name}.")
+        raise StudyError(f"{subject}, line {line}: there is no column {place + 1} for {name}.")
     text = row[place]
     if not _is_number(text) or not math.isfinite(float(text)):
-        shown = f"is '{clean(text)}'" if text else "is empty"
+        description = f"is '{printable(text)}'" if text else "is empty"
         advice = DECIMAL_COMMA if _is_number(text.replace(",", ".", 1)) and "," in text else "Leave the line out."
-        raise StudyError(f"{what}, line {line}: {name} {shown}, which is no finite number. {advice}")
+        raise StudyError(f"{subject}, line {line}: {name} {description}, which is no finite number. {advice}")
     return float(text)
 
 

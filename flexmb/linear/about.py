@@ -91,12 +91,12 @@ def check_state(at: Any, model: Model, function: str) -> None:
         )
     if of_state is None:
         return
-    numbers = [(each.parameters.reference, each.parameters.properties) for each in (of_state, model)]
+    numbers = [(source.parameters.reference, source.parameters.properties) for source in (of_state, model)]
     if not is_concrete(numbers):
         return
-    (ours, shape), (wanted, wanted_shape) = (jax.tree_util.tree_flatten_with_path(part) for part in numbers)
-    pairs = [(a, b) for (path, a), (_, b) in zip(ours, wanted, strict=False) if not BEARS.intersection(map(_key, path))]
-    if shape != wanted_shape or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
+    (ours, shape), (theirs, their_shape) = (jax.tree_util.tree_flatten_with_path(part) for part in numbers)
+    pairs = [(a, b) for (path, a), (_, b) in zip(ours, theirs, strict=False) if not BEARS.intersection(map(_key, path))]
+    if shape != their_shape or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
         raise ValueError(
             f"Argument `at` of fm.{function} belongs to a model with other dimensions. Give that model, or a state of"
             " this model."
@@ -168,7 +168,7 @@ def by_elements(
     """
     at, is_linearized = where.at, isinstance(given, Linearization)
     of_path = isinstance(at, ManyStates) and at.by_sparse
-    if of_path or any(isinstance(each, Linearization) and each.large for each in (at, given)):
+    if of_path or any(isinstance(argument, Linearization) and argument.large for argument in (at, given)):
         if solver == DENSE:
             raise ValueError(f"fm.{function} got a sparse linearisation, which contradicts sparse=False.")
         where.refuse(function, given=is_linearized)

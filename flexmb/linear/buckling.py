@@ -19,7 +19,7 @@ from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian, multipliers
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
@@ -35,7 +35,7 @@ from ..numerical_limits import (
 )
 from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness, load_factors_of
-from ..statics.newton_search import held_values
+from ..statics.newton_search import prescribed_values
 from ..statics.solve import solve_state
 from .about import Where, few_of, is_large
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, linearized_by_elements
@@ -62,8 +62,8 @@ class Buckling(Shapes, Labelled, Record):
 
     def states(self) -> States:
         """Return the modes about their state, each with its load multiplier."""
-        told = enumerate(np.asarray(self.multipliers).tolist())
-        titles = [f"buckling mode {i + 1}: λ = {multiplier:.5g}" for i, multiplier in told]
+        numbered = enumerate(np.asarray(self.multipliers).tolist())
+        titles = [f"buckling mode {i + 1}: λ = {multiplier:.5g}" for i, multiplier in numbered]
         return States(self.lin.model, self.lin.x, "modes", moves=self.shapes, titles=titles)
 
     def quantities_by_name(self) -> Quantities:
@@ -72,10 +72,10 @@ class Buckling(Shapes, Labelled, Record):
 
     def summary(self) -> Summary:
         """Return the load multipliers."""
-        told = [f"load multiplier {multiplier:.5g}" for multiplier in np.asarray(self.multipliers).tolist()]
+        texts = [f"load multiplier {multiplier:.5g}" for multiplier in np.asarray(self.multipliers).tolist()]
         scaled = "all loads" if self.lin.model.parameters.increment is None else "the loads with increment=True"
         rows = {"load multiplier": f"factor of {scaled} at which the mechanism buckles"}
-        return modal_summary("Buckling", self.states(), told, rows if told else {"load multipliers": "none"})
+        return modal_summary("Buckling", self.states(), texts, rows if texts else {"load multipliers": "none"})
 
 
 def curvature_of_increment(
@@ -85,7 +85,7 @@ def curvature_of_increment(
     no_preload = LoadFactors(0.0, 1.0)
     unloaded = dataclasses.replace(parameters, strain=None)
     force = nodal_forces(topology, parameters, no_preload, at.x)
-    wanted_x, wanted_e = held_values(topology, unloaded, no_preload)
+    wanted_x, wanted_e = prescribed_values(topology, unloaded, no_preload)
     shift = wanted_x - parameters.reference
     extra = stress_of_loads(topology, unloaded, scaled_loads(unloaded, no_preload), at.S)
     # Constraints balance the stress that an element adds at a held deformation.
@@ -115,7 +115,7 @@ def scaled_stiffness(
     """
     if parameters.increment is None:
         stays, scaled, curvature = at.K0, at.G0, at.curvature
-        sigma, moved = at.sigma, sizes_of(topology, parameters)
+        sigma, moved = at.sigma, coordinate_scales(topology, parameters)
     else:
         stays = at.K0 + at.G0
         grown = (topology, parameters, at) if raised is None else raised
@@ -139,14 +139,14 @@ def _noise(
     Elastic stress resultants are wrong by stiffness times the round-off of the deformations, all of them by the
     round-off of the forces that they balance. `moved` are the coordinates whose round-off counts.
     """
-    x, near, jacobian, stiffness, dfx = tangent
-    rows = jnp.abs(jacobian) * sizes_of(topology, parameters)
+    x, last_strain, jacobian, stiffness, dfx = tangent
+    rows = jnp.abs(jacobian) * coordinate_scales(topology, parameters)
     largest = jnp.max(rows.T @ jnp.abs(sigma), initial=0.0)
     reach = jnp.max(rows, axis=1, initial=0.0)
     elastic = put(jnp.abs(stiffness) @ (jnp.abs(jacobian) @ jnp.abs(moved)), topology.e.held, 0.0)
     wrong = STRESS_ROUND_OFF * (elastic + jnp.where(reach > 0, largest / jnp.where(reach > 0, reach, 1.0), 0.0))
     relative = factorise(stiffnesses[0]).solve(
-        dfx.T @ deformation_curvature(topology, parameters, x, near, wrong) @ dfx
+        dfx.T @ deformation_curvature(topology, parameters, x, last_strain, wrong) @ dfx
     )
     # The root of the trace of its square bounds its eigenvalues.
     noise = jnp.sqrt(jnp.abs(jnp.sum(relative * relative.T)))
@@ -168,7 +168,7 @@ def _is_nothing(
     """
     if curvature is None:
         return jnp.array(True)
-    sizes, most = jnp.asarray(sizes_of(topology, parameters)), jnp.zeros_like(scaled)
+    sizes, most = jnp.asarray(coordinate_scales(topology, parameters)), jnp.zeros_like(scaled)
     for block in topology.blocks:
         if block.e.shape[1]:
             element_curvature, size = curvature[block.x[:, :, None], block.x[:, None, :]], sizes[block.x]
@@ -187,16 +187,16 @@ def bounded_of(inverse: Float[Array, "n"], noise: Float[Array, ""]) -> Float[Arr
     return jnp.where(bounded, 1 / jnp.where(bounded, inverse, 1.0), jnp.inf)
 
 
-def _of_unsymmetric(k: Float[Array, "n n"], g: Float[Array, "n n"]):
+def _unsymmetric_pairs(k: Float[Array, "n n"], g: Float[Array, "n n"]):
     """Real 1/lambda (zero for complex ones and round-off), vectors, and the largest size of complex ones."""
     operator = factorise(k).solve(-g)
     inverse, vectors, conditions = general_eigen(operator)
-    real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_told(operator, inverse, conditions)
+    real = jnp.isfinite(inverse.real) & is_real(inverse) & _is_resolved(operator, inverse, conditions)
     complex_ones = jnp.max(jnp.where(real, 0.0, jnp.abs(inverse)), initial=0.0)
     return jnp.where(real, inverse.real, 0.0), vectors.real, complex_ones
 
 
-def _is_told(
+def _is_resolved(
     operator: Float[Array, "n n"], values: Complex[Array, "n"], conditions: Float[Array, "n"]
 ) -> Bool[Array, "n"]:
     """Whether each eigenvalue of an unsymmetric matrix is known beside its round-off, which grows with its condition.
@@ -220,7 +220,7 @@ def multipliers_of(
     means no potential.
     """
     if unsymmetric:
-        values, _, _ = _of_unsymmetric(k, g)
+        values, _, _ = _unsymmetric_pairs(k, g)
     else:
         # The constant stiffness may have any definiteness.
         inverse = jnp.linalg.eigvals(factorise(k).solve(-g))
@@ -234,15 +234,15 @@ def multipliers_about(topology: Topology, parameters: Parameters, m: Matrices) -
     """Load multipliers of a linearised state with all loads scaled."""
     _, jacobian = deformation_jacobian(topology, parameters, m.x, m.e)
     curvature = deformation_curvature(topology, parameters, m.x, m.e, m.sigma)
-    tangent, sizes = (m.x, m.e, jacobian, m.S, m.DFx), sizes_of(topology, parameters)
+    tangent, sizes = (m.x, m.e, jacobian, m.S, m.DFx), coordinate_scales(topology, parameters)
     noise = _noise(topology, parameters, tangent, (m.K0, m.G0), curvature, m.sigma, sizes)
     return multipliers_of(m.K0, m.G0, noise, unsymmetric=lacks_potential(topology))
 
 
 @kernel
 def _buckling(topology: Topology, parameters: Parameters, target: LoadFactors):
-    at, near, result, *_ = solve_state(topology, parameters, target)
-    return _buckling_about(topology, parameters, at, near, result)
+    at, last_strain, result, *_ = solve_state(topology, parameters, target)
+    return _buckling_about(topology, parameters, at, last_strain, result)
 
 
 @kernel
@@ -255,13 +255,13 @@ def _buckling_at(
 
 
 def _buckling_about(
-    topology: Topology, parameters: Parameters, at: State, near: Float[Array, "n_e"], result: Int[Array, ""]
+    topology: Topology, parameters: Parameters, at: State, last_strain: Float[Array, "n_e"], result: Int[Array, ""]
 ):
     """Multipliers, modes in the coordinates, whether complex ones hide a lower load, motion by the loads, and code."""
-    k, g, noise = scaled_stiffness(topology, parameters, at, near)
+    k, g, noise = scaled_stiffness(topology, parameters, at, last_strain)
     dfx = at.transfer.DFx
     if lacks_potential(topology):
-        inverse, vectors, complex_ones = _of_unsymmetric(k, g)
+        inverse, vectors, complex_ones = _unsymmetric_pairs(k, g)
     else:
         inverse, vectors = pencil(-(g + g.T) / 2, (k + k.T) / 2)
         complex_ones = jnp.zeros(())
@@ -271,7 +271,7 @@ def _buckling_about(
     hidden = (complex_ones > noise) & (complex_ones > jnp.max(jnp.abs(inverse), initial=0.0))
     stable = is_positive_definite((k + k.T) / 2)
     result = jnp.where((result == RESULTS.successful) & ~stable, RESULTS.unstable, result)
-    grown = None if parameters.increment is None else curvature_of_increment(topology, parameters, at, near)[2]
+    grown = None if parameters.increment is None else curvature_of_increment(topology, parameters, at, last_strain)[2]
     return multiplier, dfx @ vectors, hidden, moved_by_loads(topology, parameters, at.x, grown), result
 
 

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import as_reals, check_flag, check_numbers, is_concrete, library_of, shown
+from ..arguments import as_reals, check_flag, check_numbers, is_concrete, library_of, short_repr
 from ..compilation.compile import jit, unguarded
 from ..display import among
 from ..elements.section import Material
@@ -104,7 +104,7 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
     With B = K + s M0 = L L^T all functions of (K, M0) are functions of the matrix L^-1 M0 L^-T between factors L and
     L^T. Its eigenvalue mu of a motion is 1/(w^2 + s), and zero for one without mass.
     """
-    shift, _, found = shift_to_definite(m.K, m.M0)
+    shift, _, has_shift = shift_to_definite(m.K, m.M0)
     factor = cholesky(m.K + shift * m.M0)
 
     def reduced(matrix: Float[Array, "n n"]):
@@ -119,7 +119,7 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
         lossy = (losses[:, None] * m.S + m.S * losses) / 2
         core = core + harmonic(_inverse_frequency, mass, reduced(m.DFe.T @ lossy @ m.DFe), shift)
     damping = factor @ core @ factor.T
-    result = jnp.where(found, m.result, RESULTS.singular_stiffness).astype(jnp.int32)
+    result = jnp.where(has_shift, m.result, RESULTS.singular_stiffness).astype(jnp.int32)
     return (damping + damping.T) / 2, result
 
 
@@ -156,8 +156,8 @@ def _ratios(lin: Linearization, ratio: Any) -> tuple[Any, Any]:
     if len(sizes) == 1:
         if sizes[0] > count:
             raise ValueError(f"Argument `ratio` has {sizes[0]} numbers, but there are {count} modes.")
-        given = library_of(ratio).asarray(ratio, float)
-        return given[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
+        mode_ratios = library_of(ratio).asarray(ratio, float)
+        return mode_ratios[np.minimum(np.arange(n), sizes[0] - 1)[::-1]], np.zeros(n)
     by_frequency = ratio if callable(ratio) else _between(ratio, sizes)
     # Without vibration any frequency will do.
     library = library_of(hertz)
@@ -179,14 +179,16 @@ def _between(pairs: Any, sizes: tuple[int, ...]) -> Callable[[Any], Any]:
         )
     table = as_reals("Argument `ratio`", pairs)
     if is_concrete(table) and not np.all(np.diff(np.asarray(table)[:, 0]) > 0):
-        raise ValueError(f"Argument `ratio`: its frequencies must ascend, but are {shown(np.asarray(table)[:, 0])}.")
+        raise ValueError(
+            f"Argument `ratio`: its frequencies must ascend, but are {short_repr(np.asarray(table)[:, 0])}."
+        )
     return lambda hertz: jnp.interp(hertz, table[:, 0], table[:, 1])
 
 
-def _check_positive(name: str, given: Any, shape: tuple[int, ...] | None = None, kind: str = "") -> None:
-    check_numbers(f"Argument `{name}`{kind}", given, shape)
-    if is_concrete(given) and np.any(np.asarray(given) < 0):
-        raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {shown(given)}.")
+def _check_positive(name: str, value: Any, shape: tuple[int, ...] | None = None, kind: str = "") -> None:
+    check_numbers(f"Argument `{name}`{kind}", value, shape)
+    if is_concrete(value) and np.any(np.asarray(value) < 0):
+        raise ValueError(f"Argument `{name}`{kind} cannot be negative, but is {short_repr(value)}.")
 
 
 def loss_factors(lin: Linearization, given: Losses) -> Float[Array, "n_e"]:
@@ -215,8 +217,8 @@ def _has_stiffness(lin: Linearization, rows: Int[np.ndarray, "k"]) -> bool:
     """Whether stress resultants of some deformations change in any motion; of concrete numbers."""
     if not lin.large:
         return bool(np.any(np.asarray(lin.matrices.S)[rows] @ np.asarray(lin.matrices.DFe)))
-    pieces = lin.elements.elastic
-    return any(np.any(np.asarray(matrix)[np.isin(np.asarray(at), rows)]) for at, _, matrix in pieces)
+    element_matrices = lin.elements.elastic
+    return any(np.any(np.asarray(matrix)[np.isin(np.asarray(at), rows)]) for at, _, matrix in element_matrices)
 
 
 def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
@@ -224,7 +226,7 @@ def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
     if isinstance(key, str):
         return np.array([i for i, e in enumerate(model.labels.e) if fnmatch.fnmatchcase(e.of, key)], int)
     if not isinstance(key, Material):
-        raise TypeError(f"Argument `loss_factor` goes by names of elements or by Materials, not by {shown(key)}.")
+        raise TypeError(f"Argument `loss_factor` goes by names of elements or by Materials, not by {short_repr(key)}.")
     if not is_concrete((model.parameters.properties, key)):
         raise ValueError("Argument `loss_factor`: materials cannot be compared under a trace. Name the elements.")
     rows = []
@@ -240,9 +242,9 @@ def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
     return np.array(rows, int)
 
 
-def _is_same(stacked: Material, i: int, wanted: Material) -> bool:
+def _is_same(stacked: Material, i: int, material: Material) -> bool:
     """Whether a material of stacked elements is the wanted one, in element i."""
-    pairs = [(getattr(stacked, f.name), getattr(wanted, f.name)) for f in dataclasses.fields(Material)]
-    return all((own is None) == (other is None) for own, other in pairs) and all(
-        np.all(np.asarray(own)[i] == other) for own, other in pairs if own is not None
+    pairs = [(getattr(stacked, f.name), getattr(material, f.name)) for f in dataclasses.fields(Material)]
+    return all((value is None) == (other is None) for value, other in pairs) and all(
+        np.all(np.asarray(value)[i] == other) for value, other in pairs if value is not None
     )

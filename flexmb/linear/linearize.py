@@ -13,11 +13,11 @@ from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, short
-from ..math.element_matrices import ElementMatrices, SparseMatrices, Whole, by_coordinates
+from ..math.element_matrices import AssembledEquations, ElementMatrices, SparseMatrices, by_coordinates
 from ..math.linear_solver import DENSE as DENSE_SOLVER
 from ..math.linear_solver import SPARSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
-from ..mechanics.inertia import Felt, mass_matrix, mass_pieces
+from ..mechanics.inertia import InertialLoad, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
 from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
@@ -25,7 +25,7 @@ from ..model.by_name import ByName, node_motions
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
-from ..results import RESULTS, check, collect, or_nan, told
+from ..results import RESULTS, check, collect, or_nan, outcome_text
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import Equilibrium, check_stiffness, load_factors_of
 from ..statics.solve import external_of, reactions_of, solve_state
@@ -96,7 +96,7 @@ class Matrices(Result, Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
-    felt: Felt
+    felt: InertialLoad
     reactions: Float[Array, "n_x"]
     external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
@@ -124,7 +124,7 @@ class LargeMatrices(Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
-    felt: Felt
+    felt: InertialLoad
     reactions: Float[Array, "n_x"]
     external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
@@ -144,13 +144,13 @@ class _Of(Generic[T]):
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
         # ``help`` prints the description of the matrix.
-        told = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
-        self.__doc__ = " ".join(told.group(1).split()) if told else None
+        match = re.search(rf"^ +{name}: (.*(?:\n {{12}}.*)*)", Matrices.__doc__ or "", re.M)
+        self.__doc__ = " ".join(match.group(1).split()) if match else None
 
     def __get__(self, result: Any, owner: type) -> T:
-        own: Any = self
+        descriptor: Any = self
         if result is None:
-            return own
+            return descriptor
         if self.name in DENSE and isinstance(result.matrices, LargeMatrices):
             raise AttributeError(
                 f"The linearisation of a large mechanism has no {self.name}, a matrix in the degrees of freedom. Use"
@@ -179,7 +179,7 @@ class AboutState:
     x = _Of[Float[Array, "*states n_x"]]()
     e = _Of[Float[Array, "*states n_e"]]()
     sigma = _Of[Float[Array, "*states n_e"]]()
-    felt = _Of[Felt]()
+    felt = _Of[InertialLoad]()
     reactions = _Of[Float[Array, "*states n_x"]]()
     external = _Of[Float[Array, "*states n_x"]]()
     iterations = _Of[Int[Array, "*states"]]()
@@ -229,7 +229,7 @@ class Linearization(ByName, AboutState, Result, Record):
             raise TypeError("This linearisation has no sparse matrices. Give fm.linearize(model, sparse=True).")
         if not is_concrete(self.elements):
             raise TypeError("Sparse matrices need concrete numbers. Use them outside jax.jit and jax.grad.")
-        return Whole(jax.tree.map(np.asarray, self.elements)).apart()
+        return AssembledEquations(jax.tree.map(np.asarray, self.elements)).apart()
 
     def at_time(self, number: int) -> "Linearization":
         """Return the linearised equations at one time of a motion, from :func:`flexmb.motion.linearize_motion`.
@@ -271,7 +271,7 @@ class Linearization(ByName, AboutState, Result, Record):
         model, names = self.model, self.labels.x
         positions = [i for i, entry in enumerate(names) if entry.kind == "position"]
         moved = np.asarray(self.x - model.parameters.reference)[positions]
-        rows = {"result": told(self.result)}
+        rows = {"result": outcome_text(self.result)}
         displaced = {"largest displacement": f"{short(np.max(np.abs(moved), initial=0.0))} m"}
         if self.large:
             moving, constraints = self.elements.unknowns
@@ -291,7 +291,7 @@ class Stressed(NamedTuple):
 
     x: Float[Array, "*states n_x"]
     sigma: Float[Array, "*states n_e"]
-    felt: Felt
+    felt: InertialLoad
     e: Float[Array, "*states n_e"]
 
 
@@ -364,7 +364,7 @@ def matrices_at(
         x=at.x,
         e=at.e,
         sigma=at.sigma,
-        felt=Felt(at.gravity),
+        felt=InertialLoad(at.gravity),
         reactions=reactions_of(topology, at),
         external=external_of(topology, parameters, at),
         iterations=iterations,
@@ -462,12 +462,12 @@ def linearized_about(model: Model, at: Equilibrium, function: str, solver: Linea
             f" jax.grad, or after it was stored. Give fm.{function}(fm.linearize(model)), with the same loads."
         )
     check(at.result, True, f"Argument `at` of fm.{function} is this equilibrium, which was not found.")
-    own, factors = at.asked_of, at.factors
+    asked_model, factors = at.asked_of, at.factors
     if solver is not None:
         more = at.felt, at.reactions, at.external, at.iterations, at.result
-        return about_state(own, factors, at.x, at.e, at.sigma, *more, solver=solver)
-    own = as_determined(own, function)
-    return Linearization(_matrices_of(own.topology, own.parameters, factors, at.x, at.e), own)
+        return about_state(asked_model, factors, at.x, at.e, at.sigma, *more, solver=solver)
+    asked_model = as_determined(asked_model, function)
+    return Linearization(_matrices_of(asked_model.topology, asked_model.parameters, factors, at.x, at.e), asked_model)
 
 
 @unguarded

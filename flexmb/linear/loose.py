@@ -8,14 +8,14 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete, undifferentiated
-from ..checks.mobility import constraints, motions_of, shares
+from ..checks.mobility import allowed_motions, constraints, shares
 from ..errors import AnalysisError
-from ..math.element_matrices import Whole
+from ..math.element_matrices import AssembledEquations
 from ..math.linear import SEMIDEFINITE
 from ..math.sparse import unresisted
 from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
@@ -27,7 +27,7 @@ from .spectrum import masses_of_motions
 TINY = np.finfo(float).tiny
 
 
-def named(model: Model, motions: np.ndarray) -> str:
+def moving_coordinates(model: Model, motions: np.ndarray) -> str:
     """Names of the coordinates that move most in each motion, one motion a column, (n_x, k)."""
     names = []
     for motion in motions.T:
@@ -46,10 +46,10 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         raise AnalysisError("not_finite", RESULTS.not_finite.message)
     meeting = np.diag(dfe.T @ np.abs(np.asarray(m.S)) @ dfe) + np.abs(np.diag(k))
     scale = 1 / np.sqrt(np.where(meeting > 0, meeting, 1.0))
-    left, sizes, right = np.linalg.svd(k * scale[:, None] * scale)
+    left_vectors, sizes, right_vectors = np.linalg.svd(k * scale[:, None] * scale)
     stiff = sizes > FREE_STIFFNESS * len(k) * max(1.0, np.max(sizes, initial=0.0))
-    inverse = right[stiff].T @ (left[:, stiff] / sizes[stiff]).T
-    free = right[~stiff].T
+    inverse = right_vectors[stiff].T @ (left_vectors[:, stiff] / sizes[stiff]).T
+    free = right_vectors[~stiff].T
     return inverse * scale[:, None] * scale, free * scale[:, None], free / scale[:, None]
 
 
@@ -73,7 +73,7 @@ def negative_mass(lin: Linearization) -> str:
     motion = np.asarray(m.DFx) @ motions[:, 0]
     share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
     negative = [i for i in np.argsort(share) if share[i] < 0][:4]
-    return ", ".join(str(lin.labels.x[i]) for i in negative) or named(lin.model, motion[:, None])
+    return ", ".join(str(lin.labels.x[i]) for i in negative) or moving_coordinates(lin.model, motion[:, None])
 
 
 def _is_negative(mass: np.ndarray) -> bool:
@@ -86,10 +86,10 @@ def refuse_negative_mass(lin: Linearization) -> None:
     """Raise singular_mass with names if the known mass matrix has a negative eigenvalue."""
     known = undifferentiated(lin)
     if is_concrete(known) and (names := negative_mass(known)):
-        raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {of_negative_mass(names)}")
+        raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {negative_mass_note(names)}")
 
 
-def of_negative_mass(names: str) -> str:
+def negative_mass_note(names: str) -> str:
     """Sentence of a message."""
     return f"Here a motion has a negative mass, that of {names}."
 
@@ -99,11 +99,11 @@ def without_mass(model: Model) -> str:
     model = undifferentiated(model)
     if not is_concrete(model):
         return ""
-    motions = dense(motions_of(model)[0]) * constraints(model).columns[:, None]
+    motions = dense(allowed_motions(model)[0]) * constraints(model).columns[:, None]
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
     values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
     light = values <= NO_MASS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)
-    return f"Motions without mass: {named(model, motions @ vectors[:, light])}." if np.any(light) else ""
+    return f"Motions without mass: {moving_coordinates(model, motions @ vectors[:, light])}." if np.any(light) else ""
 
 
 def without_anything(lin: Linearization, *, damped: bool = True) -> str:
@@ -114,15 +114,15 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     # Scale each motion to a mass of one, without cancellation.
     sizes = np.sqrt(_uncancelled(free, m.M0))
     free = free / np.where(sizes > 0, sizes, 1.0)
-    held = free.T @ m.M0 @ free
+    resistance = free.T @ m.M0 @ free
     if not damped:
         damping = m.C0 + m.D0
-        held = held + free.T @ damping @ free / max(np.max(_uncancelled(free, damping), initial=0.0), TINY)
-    shares, combinations = np.linalg.eigh((held + held.T) / 2)
+        resistance = resistance + free.T @ damping @ free / max(np.max(_uncancelled(free, damping), initial=0.0), TINY)
+    shares, combinations = np.linalg.eigh((resistance + resistance.T) / 2)
     light = free @ combinations[:, shares <= NO_MASS]
     if not light.size:
         return ""
-    moving = named(lin.model, np.asarray(m.DFx) @ light)
+    moving = moving_coordinates(lin.model, np.asarray(m.DFx) @ light)
     return (
         f"Here that is {moving}. It has no mass either. Give it a mass or an inertia (sections have rotary inertia"
         " unless rotary=False), or fix it."
@@ -145,10 +145,10 @@ def refuse_without_anything(lin: Linearization, *, damped: bool = True) -> None:
         raise AnalysisError("singular_stiffness", f"{RESULTS.singular_stiffness.message} {about}")
 
 
-def of_stiffest(model: Model) -> str:
+def stiffest_element_note(model: Model) -> str:
     """Sentence on the stiffest element, by motions of the mechanism's extent and radians."""
     topology, parameters = model.topology, model.parameters
-    sizes, size, stiff = sizes_of(topology, parameters), np.zeros(topology.n_e), np.zeros(topology.n_e)
+    sizes, size, stiff = coordinate_scales(topology, parameters), np.zeros(topology.n_e), np.zeros(topology.n_e)
     for at, columns, rows in jacobian_pieces(topology, parameters, parameters.reference, jnp.zeros(topology.n_e))[1]:
         size[at] = np.linalg.norm(np.asarray(rows) * sizes[columns][:, None, :], axis=2)
     for at, _, matrices in known_stiffness_pieces(topology, parameters):
@@ -157,16 +157,16 @@ def of_stiffest(model: Model) -> str:
     return f"Here the stiffest is '{model.labels.e[int(np.argmax(stiff * size**2))].of}'."
 
 
-def of_unresisted(lin: Linearization) -> str:
+def unresisted_note(lin: Linearization) -> str:
     """Sentence on the motion that a singular stiffness does not resist; empty if constraints are redundant."""
     elements = jax.tree.map(np.asarray, lin.elements)
-    whole = Whole(elements)
-    motion = unresisted(whole.at(), whole.n)
+    assembled = AssembledEquations(elements)
+    motion = unresisted(assembled.at(), assembled.n)
     if motion is None:
         return ""
     full = np.zeros((lin.model.topology.n_x, 1))
     full[elements.free, 0] = motion
-    return f"Here that is {named(lin.model, full)}."
+    return f"Here that is {moving_coordinates(lin.model, full)}."
 
 
 @contextlib.contextmanager
@@ -179,9 +179,9 @@ def naming_culprit(lin: Linearization) -> Iterator[None]:
         if not is_concrete(lin):
             raise
         if fault.code == RESULTS.lost_in_round_off.name:
-            about = of_stiffest(lin.model)
+            about = stiffest_element_note(lin.model)
         elif fault.code == RESULTS.singular_stiffness.name and lin.large:
-            about = of_unresisted(lin)
+            about = unresisted_note(lin)
         if not about:
             raise
         raise AnalysisError(fault.code, f"{fault} {about}") from None

@@ -7,7 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, shown
+from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, short_repr
 from ..display import kind_of
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -76,7 +76,7 @@ def _positive(name: str, values: Any, sharpness: Any) -> Float[Array, "n"]:
     check_real(f"Argument `values` of {name}", values)
     concrete = is_concrete(values)
     if concrete and (numbers(values) is None or np.ndim(values) != 1 or not np.size(values)):
-        raise ValueError(f"Argument `values` of {name} must be several numbers, not {shown(values)}.")
+        raise ValueError(f"Argument `values` of {name} must be several numbers, not {short_repr(values)}.")
     if concrete and not np.all(np.asarray(values) > 0):
         raise ValueError(f"Argument `values` of {name} must be positive, but is {np.asarray(values)}.")
     return jnp.asarray(values, float)
@@ -99,8 +99,8 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
     """
-    for given in (one, other):
-        _check_modes(given, "mode_assurance")
+    for shapes in (one, other):
+        _check_modes(shapes, "mode_assurance")
     a, b = (_shapes_in(one.lin.model, modes, "mode_assurance") for modes in (one, other))
     m = np.asarray(one.lin.matrices.M0)
     return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))
@@ -180,24 +180,24 @@ def frequency_like(
     """
     warn_of_increment(as_determined(model, "frequency_like"), "frequency_like")
     refuse_unsymmetric(not lacks_potential(model.topology))
-    given: Any = shape
+    vector: Any = shape
     if isinstance(shape, Modes):
         _check_modes(shape, "frequency_like")
         every = _shapes_in(model, shape, "frequency_like")
         if number is None or not check_whole("number", number, 0) < every.shape[1]:
             raise ValueError(
                 f"Argument `number` of fm.linear.frequency_like must be the number of one of the {every.shape[1]}"
-                f" modes, from 0, but is {shown(number)}."
+                f" modes, from 0, but is {short_repr(number)}."
             )
-        given = every[:, number]
+        vector = every[:, number]
     elif number is not None:
         raise ValueError("Argument `number` of fm.linear.frequency_like needs Modes as `shape`, not numbers.")
-    check_numbers("Argument `shape`", given)
-    if np.shape(given) != (model.topology.n_q,):
-        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(given)}.")
-    if is_concrete(given) and not np.any(np.asarray(given)):
+    check_numbers("Argument `shape`", vector)
+    if np.shape(vector) != (model.topology.n_q,):
+        raise ValueError(f"Argument `shape` must have {model.topology.n_q} entries, but has shape {np.shape(vector)}.")
+    if is_concrete(vector) and not np.any(np.asarray(vector)):
         raise ValueError("Argument `shape` must have an entry that is not zero.")
-    value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(given, float))
+    value, result = _frequency_like(model.topology, model.parameters, jnp.asarray(vector, float))
     check_spectrum(result, throw, model)
     return or_nan(value, result, throw)
 

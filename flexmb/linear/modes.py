@@ -13,7 +13,7 @@ from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
-from ..math.element_matrices import Whole, times
+from ..math.element_matrices import AssembledEquations, matrix_times
 from ..math.linear_solver import DENSE, LinearSolver, asked_solver
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -27,10 +27,10 @@ from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, m
 from .loose import (
     naming_culprit,
     negative_mass,
-    of_negative_mass,
-    of_stiffest,
+    negative_mass_note,
     refuse_negative_mass,
     refuse_without_anything,
+    stiffest_element_note,
     without_anything,
 )
 from .sparse_poles import poles_of_sparse
@@ -72,8 +72,8 @@ class Modes(Shapes, Labelled, Record):
 
     def quantities_by_name(self) -> Quantities:
         """Return frequencies and eigenvalues by the number of the mode, from 1."""
-        found = {"frequency": (self.frequencies, "Hz"), "eigenvalue": (self.eigenvalues, "rad²/s²")}
-        return numbered_quantities("mode", found)
+        values = {"frequency": (self.frequencies, "Hz"), "eigenvalue": (self.eigenvalues, "rad²/s²")}
+        return numbered_quantities("mode", values)
 
     def _told(self) -> list[str]:
         values = zip(np.asarray(self.frequencies).tolist(), np.asarray(self.eigenvalues).tolist(), strict=True)
@@ -203,11 +203,11 @@ def check_spectrum(result: Array | np.ndarray, throw: bool, model: Any) -> None:
         if code in (RESULTS.singular_mass, RESULTS.singular_stiffness):
             lin = model if isinstance(model, Linearization) else linearize(model, increment=0.0, throw=False)
             if code == RESULTS.singular_mass:
-                about = of_negative_mass(negative_mass(lin))
+                about = negative_mass_note(negative_mass(lin))
             else:
                 about = without_anything(lin) or without_stiffness(lin.model)
         if code == RESULTS.lost_in_round_off:
-            about = of_stiffest(model if isinstance(model, Model) else model.model)
+            about = stiffest_element_note(model if isinstance(model, Model) else model.model)
     check(result, throw, about)
 
 
@@ -274,7 +274,7 @@ def _modes_of_large(lin: Linearization, count: Any) -> Modes:
         answer: Any = lowest(lin.elements, count, lin.solver)
     values, motions, massless, stable = answer.values, answer.motions, 0, False
     roles = lin.model.topology
-    deformed = times(lin.elements.constraints, motions, size=roles.n_e)
+    deformed = matrix_times(lin.elements.constraints, motions, size=roles.n_e)
     q_shapes = jnp.concatenate([motions[roles.x.dof], deformed[roles.e.dof]])
     if is_concrete(answer):
         stable, some = bool(np.all(values[:1] > 0)), int(np.sum(np.isfinite(values)))
@@ -357,7 +357,7 @@ def _poles_of_large(lin: Linearization, count: Any) -> Any:
     if not is_concrete(lin.elements):
         with naming_culprit(lin):
             return poles_of_elements(lin.elements, count)
-    whole = Whole(jax.tree.map(np.asarray, lin.elements))
-    refuse_negative_masses(whole)
+    assembled = AssembledEquations(jax.tree.map(np.asarray, lin.elements))
+    refuse_negative_masses(assembled)
     with naming_culprit(lin):
-        return poles_of_sparse(whole, count, lin.solver)
+        return poles_of_sparse(assembled, count, lin.solver)

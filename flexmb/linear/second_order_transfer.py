@@ -15,13 +15,13 @@ from .linearize import Linearization, Matrices
 
 @kernel
 def _second_transfer(topology: Topology, parameters: Parameters, m: Matrices):
-    near = jax.lax.stop_gradient(m.e)
-    _, jacobian = deformation_jacobian(topology, parameters, m.x, near)
+    last_strain = jax.lax.stop_gradient(m.e)
+    _, jacobian = deformation_jacobian(topology, parameters, m.x, last_strain)
     tangent = transfer(topology, jacobian)
 
     def along(i: Float[Array, "n_x"], j: Float[Array, "n_x"]):
         def once(x: Float[Array, "n_x"]):
-            _, d = deformation_jacobian(topology, parameters, x, near)
+            _, d = deformation_jacobian(topology, parameters, x, last_strain)
             return d @ i
 
         return jax.jvp(once, (m.x,), (j,))[1]

@@ -6,13 +6,13 @@ import numpy as np
 
 from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import energies
-from ..math.element_matrices import ElementMatrices, Pieces, Whole
+from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices
 from ..math.linear import uneven
 from ..math.linear_solver import LinearSolver
 from ..math.sparse import SparseFactors
 from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
-from .sparse_spectrum import AllowedMotions, Constrained, changed, check_modes, named
+from .sparse_spectrum import AllowedMotions, Constrained, change_by_iteration, check_converged, explained_failures
 
 
 class MultiplierMatrices(NamedTuple):
@@ -26,9 +26,9 @@ class MultiplierMatrices(NamedTuple):
     """
 
     elements: ElementMatrices
-    preload: Pieces | None
-    scaled: Pieces
-    noise: Pieces
+    preload: BlockMatrices | None
+    scaled: BlockMatrices
+    noise: BlockMatrices
 
 
 class Buckled(NamedTuple):
@@ -54,7 +54,7 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearS
     if n <= h:
         # Nothing can move and buckle.
         return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((h, count)), np.zeros(count))
-    for pieces in (
+    for element_matrices in (
         elements.structural,
         elements.constraints,
         elements.elastic,
@@ -62,11 +62,14 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearS
         given.scaled,
         given.noise,
     ):
-        if not all(np.all(np.isfinite(matrices)) for *_, matrices in pieces):
+        if not all(np.all(np.isfinite(matrices)) for *_, matrices in element_matrices):
             raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
     _refuse_negative(elements.elastic)
-    scaled, noise = (Whole(elements._replace(curved=pieces)).curved for pieces in (given.scaled, given.noise))
-    staying = Whole(elements._replace(curved=given.preload or []))
+    scaled, noise = (
+        AssembledEquations(elements._replace(curved=element_matrices)).curved
+        for element_matrices in (given.scaled, given.noise)
+    )
+    staying = AssembledEquations(elements._replace(curved=given.preload or []))
     if abs(staying.curved).max() > 0:
         _refuse_unstable(staying, solver)
     buckled = _smallest(staying, (scaled, given.scaled), noise, count, solver)
@@ -80,17 +83,17 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearS
     return buckled._replace(values=np.where(bounded, -elastic / np.where(bounded, buckled.geometric, 1.0), np.inf))
 
 
-def _round_off(sizes: np.ndarray, scaled: Pieces, motions: np.ndarray) -> np.ndarray:
+def _round_off(sizes: np.ndarray, scaled: BlockMatrices, motions: np.ndarray) -> np.ndarray:
     """Part of v^T G v of motions, (n_x, count), that may be round-off of each element's largest curvature."""
     most = np.zeros(motions.shape[1])
     for rows, columns, g in scaled:
         largest = np.max(np.abs(g) * sizes[rows][:, :, None] * sizes[columns][:, None, :], axis=(1, 2), initial=0.0)
-        left, right = (np.sum(np.abs(motions[at]) / sizes[at][:, :, None], axis=1) for at in (rows, columns))
-        most += np.einsum("e,ek,ek->k", largest, left, right)
+        by_rows, by_columns = (np.sum(np.abs(motions[at]) / sizes[at][:, :, None], axis=1) for at in (rows, columns))
+        most += np.einsum("e,ek,ek->k", largest, by_rows, by_columns)
     return STRESS_ROUND_OFF * most
 
 
-def _refuse_negative(elastic: Pieces) -> None:
+def _refuse_negative(elastic: BlockMatrices) -> None:
     """Raise for an element of negative stiffness, which the inner product of the method excludes."""
     for *_, matrices in elastic:
         values = np.linalg.eigvalsh(matrices)
@@ -101,39 +104,41 @@ def _refuse_negative(elastic: Pieces) -> None:
             )
 
 
-def _constrained(whole: Whole, solver: LinearSolver) -> Constrained:
+def _constrained(assembled: AssembledEquations, solver: LinearSolver) -> Constrained:
     """The stiffness of element matrices with constraints; raise singular_stiffness."""
-    at = Constrained(whole.at(), whole.n, solver.factored(whole.elements))
+    at = Constrained(assembled.at(), assembled.n, solver.factored(assembled.elements))
     if not at.factors.regular:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
     return at
 
 
-def _refuse_unstable(staying: Whole, solver: LinearSolver) -> None:
+def _refuse_unstable(staying: AssembledEquations, solver: LinearSolver) -> None:
     """Raise if the preload is beyond its own buckling load: K0 + G0 is not positive definite."""
-    at = _constrained(Whole(staying.elements._replace(curved=[])), solver)
+    at = _constrained(AssembledEquations(staying.elements._replace(curved=[])), solver)
     if at.few(1):
         most = AllowedMotions(at.tangent, SparseFactors(at.tangent), at.n).largest(-staying.curved, at.n)[0]
     else:
-        with named("Lower the constant loads"):
+        with explained_failures("Lower the constant loads"):
             most = at.searched(-staying.curved, 1, None, uneven(at.n), which="LA", tol=1e-6)[0]
     if np.max(most, initial=0.0) >= 1:
         raise AnalysisError(RESULTS.unstable.name, RESULTS.unstable.message)
 
 
-def _smallest(staying: Whole, scales: tuple[Any, Pieces], noise: Any, count: int, solver: LinearSolver) -> Buckled:
+def _smallest(
+    staying: AssembledEquations, scales: tuple[Any, BlockMatrices], noise: Any, count: int, solver: LinearSolver
+) -> Buckled:
     """Multipliers of smallest size: -G v = (1/lambda) K v under the constraints (THEORY.md 7, eq. (7.4))."""
-    (scaled, pieces), n = scales, staying.n
-    at, rest = _constrained(staying, solver), staying.elements.unknowns[1]
+    (scaled, element_matrices), n = scales, staying.n
+    at, n_constraints = _constrained(staying, solver), staying.elements.unknowns[1]
     if abs(scaled).max() == 0:
-        return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((rest, count)), np.zeros(count))
+        return Buckled(np.full(count, np.inf), np.zeros((n, count)), np.zeros((n_constraints, count)), np.zeros(count))
 
     def last(inverse: np.ndarray):
         bounded = abs(inverse[-1]) > abs(inverse[0]) / UNBOUNDED_MULTIPLIER
         return abs(inverse[-1]) / (1 - COUNTED_BEFORE_LAST) if bounded else None
 
     def negative(inverse: float):
-        curved = [*staying.elements.curved, *((rows, columns, g / inverse) for rows, columns, g in pieces)]
+        curved = [*staying.elements.curved, *((rows, columns, g / inverse) for rows, columns, g in element_matrices)]
         return solver.factored(staying.elements._replace(curved=curved)).negative()
 
     try:
@@ -148,5 +153,7 @@ def _smallest(staying: Whole, scales: tuple[Any, Pieces], noise: Any, count: int
     values = np.where(bounded, 1 / np.where(bounded, inverse, 1.0), np.inf)
     # One more iteration gives the multipliers: K v + D^T m = -lambda G v.
     full = at.solved(-(scaled @ motions) / np.where(bounded, inverse, 1.0))
-    check_modes(changed((full[:n] - motions)[:, bounded], motions[:, bounded], at.stiffness), "load multipliers")
+    check_converged(
+        change_by_iteration((full[:n] - motions)[:, bounded], motions[:, bounded], at.stiffness), "load multipliers"
+    )
     return Buckled(values, motions, full[n:], np.einsum("ij,ij->j", motions, scaled @ motions))

@@ -11,13 +11,13 @@ import numpy as np
 from jaxtyping import Complex
 
 from ..errors import AnalysisError, ModelError
-from ..math.by_deformations import forces, refined, softness
-from ..math.element_matrices import ElementMatrices, Whole
+from ..math.by_deformations import forces, refined_solution, softness
+from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import uneven
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..numerical_limits import FIRST_SHIFT, MASSLESS_SHARE, TRUE_POLE
 from ..results import RESULTS
-from .sparse_spectrum import FEW, GROWTH, MANY, SEARCHES, named, orthonormal_allowed
+from .sparse_spectrum import FEW, GROWTH, MANY, SEARCHES, explained_failures, orthonormal_allowed
 from .spectrum import MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
 MORE = 2
@@ -40,13 +40,13 @@ class _ShiftedPoles:
         regular: Whether it exists.
     """
 
-    def __init__(self, whole: Whole, shift: float, solver: LinearSolver):
-        self.shift, self.n, self.size, self.solver = shift, whole.n, 2 * whole.n, solver
-        self._damping, self._mass, self._elements = whole.damping, whole.mass, whole.elements
-        tangent = whole.at(shift**2, shift)
-        self._rest = tangent.shape[0] - whole.n
-        self.motions, self._tangent = whole.n - self._rest, tangent
-        self._factors = solver.factored(whole.elements, mass=shift**2, damping=shift)
+    def __init__(self, assembled: AssembledEquations, shift: float, solver: LinearSolver):
+        self.shift, self.n, self.size, self.solver = shift, assembled.n, 2 * assembled.n, solver
+        self._damping, self._mass, self._elements = assembled.damping, assembled.mass, assembled.elements
+        tangent = assembled.at(shift**2, shift)
+        self._rest = tangent.shape[0] - assembled.n
+        self.motions, self._tangent = assembled.n - self._rest, tangent
+        self._factors = solver.factored(assembled.elements, mass=shift**2, damping=shift)
         self.regular = self._factors.regular
         if not self.regular:
             return
@@ -95,7 +95,7 @@ class _ShiftedPoles:
             return forces(self._elements, z, s=self.shift)
 
         sizes = self._elements.sizes[self._elements.free]
-        motions = refined(exact, self._factors.solve, right.reshape(len(right), -1), sizes, soft=self._soft)
+        motions = refined_solution(exact, self._factors.solve, right.reshape(len(right), -1), sizes, soft=self._soft)
         return motions[: self.n].reshape(loads.shape)
 
     def _slowness(self, matrix: Any) -> float:
@@ -110,7 +110,7 @@ class _ShiftedPoles:
         return size
 
 
-def poles_of_sparse(whole: Whole, count: int, solver: LinearSolver = SPARSE) -> Complex[np.ndarray, "n"]:
+def poles_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver = SPARSE) -> Complex[np.ndarray, "n"]:
     """Solutions of lambda^2 M v + lambda C v + K v + D^T m = 0, D v = 0 nearest to zero, ordered by |Im| [rad/s].
 
     ``count`` of them, one more if the last is one of a complex pair, fewer if there are fewer; K and C may be
@@ -134,7 +134,7 @@ def poles_of_sparse(whole: Whole, count: int, solver: LinearSolver = SPARSE) -> 
         )
     if at.shift > 0 and whole.mass.count_nonzero() + whole.damping.count_nonzero():
         # Such a small shift leaves few digits for poles far above it.
-        at = _better(at, whole, _nearest(at, count)[0])
+        at = _better(at, whole, _poles_near_shift(at, count)[0])
     values, wrong = _complete(at, count)
     if wrong > TRUE_POLE:
         at = _better(at, whole, values)
@@ -163,78 +163,78 @@ def is_steady(elements: ElementMatrices) -> bool:
     """Whether the eigenvalues nearest to zero are real and positive; with damping, whether poles decay."""
     import jax
 
-    whole = Whole(jax.tree.map(np.asarray, elements))
-    at = _ShiftedPoles(whole, 0.0, SPARSE)
+    assembled = AssembledEquations(jax.tree.map(np.asarray, elements))
+    at = _ShiftedPoles(assembled, 0.0, SPARSE)
     if not at.regular:
         return False
-    if whole.damping.count_nonzero():
+    if assembled.damping.count_nonzero():
         with contextlib.suppress(AnalysisError):
-            return not any_grows(poles_of_sparse(whole, 2 * STEADY), 10 * TRUE_POLE)
+            return not any_grows(poles_of_sparse(assembled, 2 * STEADY), 10 * TRUE_POLE)
         # Without convergence, the undamped equations decide.
-        whole = Whole(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
-        at = _ShiftedPoles(whole, 0.0, SPARSE)
+        assembled = AssembledEquations(jax.tree.map(np.asarray, elements._replace(damping=[], viscous=[])))
+        at = _ShiftedPoles(assembled, 0.0, SPARSE)
     if at.motions <= FEW:
-        values = -(poles_of_sparse(whole, 2 * STEADY) ** 2)
+        values = -(poles_of_sparse(assembled, 2 * STEADY) ** 2)
     else:
         # Without damping there are half as many values in half as many unknowns; copies do not matter.
-        inverse, _ = _searched(_Undamped(at, whole.mass), np.zeros((at.n, 0)), STEADY, 0)
+        inverse, _ = _searched(_Undamped(at, assembled.mass), np.zeros((at.n, 0)), STEADY, 0)
         values = 1 / inverse[np.abs(inverse) > MASSLESS_SHARE * at.n * np.max(np.abs(inverse), initial=0.0)]
     return bool(np.all(is_real(values) & (np.real(values) > 0)))
 
 
-def _regular(whole: Whole, solver: LinearSolver) -> _ShiftedPoles:
+def _regular(assembled: AssembledEquations, solver: LinearSolver) -> _ShiftedPoles:
     """Shifted by the smallest shift that makes it regular: zero, unless a motion meets no stiffness."""
-    at = _ShiftedPoles(whole, 0.0, solver)
+    at = _ShiftedPoles(assembled, 0.0, solver)
     if at.regular:
         return at
-    stiff = np.max(np.abs(whole.at().diagonal()[: whole.n]), initial=0.0) or 1.0
-    heavy, viscous = (np.max(np.abs(m.diagonal()), initial=0.0) for m in (whole.mass, whole.damping))
+    stiff = np.max(np.abs(assembled.at().diagonal()[: assembled.n]), initial=0.0) or 1.0
+    heavy, viscous = (np.max(np.abs(m.diagonal()), initial=0.0) for m in (assembled.mass, assembled.damping))
     first = np.sqrt(FIRST_SHIFT * stiff / heavy) if heavy > 0 else FIRST_SHIFT * stiff / viscous if viscous > 0 else 0.0
     for i in range(MAX_SHIFTS if first > 0 else 0):
-        at = _ShiftedPoles(whole, float(first * GROWTH**i), solver)
+        at = _ShiftedPoles(assembled, float(first * GROWTH**i), solver)
         if at.regular:
             return at
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def _better(at: _ShiftedPoles, whole: Whole, poles: np.ndarray) -> _ShiftedPoles:
+def _better(at: _ShiftedPoles, assembled: AssembledEquations, poles: np.ndarray) -> _ShiftedPoles:
     """Shifted by the slowest pole that is not zero beside the previous shift."""
     sizes = np.abs(poles)
     sizes = sizes[sizes > at.shift]
-    better = _ShiftedPoles(whole, float(np.min(sizes)), at.solver) if len(sizes) else at
+    better = _ShiftedPoles(assembled, float(np.min(sizes)), at.solver) if len(sizes) else at
     return better if better.regular else at
 
 
 def _complete(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, float]:
     """All poles up to some distance from zero, at least ``count`` if there are, and their largest residual."""
-    every, wanted = 2 * at.motions, min(count + MORE, 2 * at.motions)
+    every, pole_count = 2 * at.motions, min(count + MORE, 2 * at.motions)
     while True:
-        poles, wrong, rest = _nearest(at, wanted)
+        poles, wrong, smallest_inverse = _poles_near_shift(at, pole_count)
         # All poles within this radius of zero are nearer to the shift than those not found.
-        radius = np.inf if rest == 0 or wanted == every else 1 / rest - at.shift
+        radius = np.inf if smallest_inverse == 0 or pole_count == every else 1 / smallest_inverse - at.shift
         sure = np.abs(poles) <= radius * (1 + TRUE_POLE)
-        if np.sum(sure) >= count or wanted == every:
+        if np.sum(sure) >= count or pole_count == every:
             return poles[sure], float(np.max(wrong[sure], initial=0.0))
-        wanted = min(2 * wanted, every)
+        pole_count = min(2 * pole_count, every)
 
 
-def _nearest(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, float]:
+def _poles_near_shift(at: _ShiftedPoles, count: int) -> tuple[np.ndarray, np.ndarray, float]:
     """Poles nearest to the shift, residuals of their motions, and the smallest of their inverse distances."""
     every = at.motions <= FEW or 3 * count >= 2 * at.motions
     basis = at.allowed() if every else _all_copies(at, count)
-    taken = at(basis)
-    small = basis.T @ taken
+    image = at(basis)
+    small = basis.T @ image
     inverse, shares = np.linalg.eig(small)
     order = np.argsort(-np.abs(inverse), kind="stable")
     inverse, shares = inverse[order], shares[:, order]
     finite = np.abs(inverse) > MASSLESS_SHARE * len(basis) * np.max(np.abs(inverse), initial=0.0)
-    rest = 0.0 if np.sum(finite) < count else float(np.abs(inverse[count - 1]))
-    finite &= np.abs(inverse) >= rest
+    smallest_inverse = 0.0 if np.sum(finite) < count else float(np.abs(inverse[count - 1]))
+    finite &= np.abs(inverse) >= smallest_inverse
     inverse, shares = inverse[finite], shares[:, finite]
     # A basis of all motions leaves out only forces that move nothing.
-    left = 0 * basis if every else taken - basis @ small
-    wrong = np.linalg.norm(left @ shares, axis=0) / np.abs(inverse)
-    return at.shift + 1 / inverse, wrong, rest
+    residual = 0 * basis if every else image - basis @ small
+    wrong = np.linalg.norm(residual @ shares, axis=0) / np.abs(inverse)
+    return at.shift + 1 / inverse, wrong, smallest_inverse
 
 
 def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
@@ -247,8 +247,8 @@ def _all_copies(at: _ShiftedPoles, count: int) -> np.ndarray:
         more = np.concatenate([vectors.real, vectors.imag], axis=1)
         for _ in range(2):
             more = more - basis @ (basis.T @ more)
-        left, sizes, _ = np.linalg.svd(more, full_matrices=False)
-        basis = np.concatenate([basis, left[:, sizes > TRUE_POLE * np.max(sizes, initial=0.0)]], axis=1)
+        left_vectors, sizes, _ = np.linalg.svd(more, full_matrices=False)
+        basis = np.concatenate([basis, left_vectors[:, sizes > TRUE_POLE * np.max(sizes, initial=0.0)]], axis=1)
         sizes = np.sort(np.abs(np.linalg.eigvals(basis.T @ at(basis))))[::-1]
         least = max(sizes[min(count, len(sizes)) - 1], MASSLESS_SHARE * len(basis) * sizes[0])
     raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
@@ -271,7 +271,7 @@ def _searched(at: _ShiftedPoles | _Undamped, basis: np.ndarray, count: int, numb
     if not np.linalg.norm(start) > 0:
         return np.zeros(0), np.zeros((at.size, 0))
     how = {"k": count, "v0": start / np.linalg.norm(start), "tol": TRUE_POLE * 1e-4, "maxiter": RESTARTS}
-    with named():
+    with explained_failures():
         try:
             return linalg.eigs(operator, **how)
         except linalg.ArpackNoConvergence as fault:

@@ -7,7 +7,7 @@ which is zero for motions without mass, these would grow during iterations.
 
 - :func:`with_all_copies`: finds all copies of repeated eigenvalues;
 - :class:`Constrained`, :class:`AllowedMotions`: motions under constraints, with factors or, if few, as a basis;
-- :func:`named`, :func:`check_modes`, :func:`refuse_negative_masses`: errors by name.
+- :func:`explained_failures`, :func:`check_converged`, :func:`refuse_negative_masses`: errors by name.
 """
 
 import contextlib
@@ -17,11 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import AnalysisError, ModelError
-from ..math.by_deformations import forces, refined
-from ..math.element_matrices import Whole
+from ..math.by_deformations import forces, refined_solution
+from ..math.element_matrices import AssembledEquations
 from ..math.linear import uneven
 from ..math.linear_solver import FactoredEquations, LinearSolver
-from ..math.sparse import SparseFactors, equilibrating, negative_where_held
+from ..math.sparse import SparseFactors, equilibrating, negative_if_constrained
 from ..numerical_limits import (
     COUNTED_BEFORE_LAST,
     EIGENVALUES_APART,
@@ -44,7 +44,7 @@ SEARCHES = 100
 
 
 @contextlib.contextmanager
-def named(try_this: str = "Ask for fewer") -> Iterator[None]:
+def explained_failures(try_this: str = "Ask for fewer") -> Iterator[None]:
     """Context in which failures of ARPACK raise not_converged, with the advice ``try_this``."""
     import scipy.sparse.linalg
 
@@ -74,9 +74,9 @@ def with_all_copies(
         farness: Sorting key of eigenvalues.
     """
 
-    def searched(*given: np.ndarray):
-        with named():
-            return search(*given)
+    def searched(*arguments: np.ndarray):
+        with explained_failures():
+            return search(*arguments)
 
     n, count = size
     start = uneven(n)
@@ -128,14 +128,14 @@ def eigenvalues_beside(
     return linalg.eigsh(operator, k=count, M=stiffness, Minv=inverse, v0=start, **how)
 
 
-def changed(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
+def change_by_iteration(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
     """Change of motions by one more iteration, ``left``, over their own size, in the norm of a matrix."""
     wrong, size = (np.einsum("ij,ij->j", columns, matrix @ columns) for columns in (left, motions))
     return np.sqrt(np.abs(wrong) / size)
 
 
-def check_modes(wrong: np.ndarray, what: str) -> None:
-    """Raise not_converged if iterations for ``what`` have not converged, by :func:`changed`."""
+def check_converged(wrong: np.ndarray, what: str) -> None:
+    """Raise not_converged if iterations for ``what`` have not converged, by :func:`change_by_iteration`."""
     if not np.all(wrong <= LANCZOS_CONVERGED):
         raise AnalysisError(
             RESULTS.not_converged.name,
@@ -158,8 +158,8 @@ class Constrained:
 
     def solved(self, forces: np.ndarray) -> np.ndarray:
         """Motions and multipliers under forces, (n + h,) or (n + h, k)."""
-        rest = np.zeros((self.tangent.shape[0] - self.n, *forces.shape[1:]))
-        return self.factors.solve(np.concatenate([forces, rest]))
+        zeros = np.zeros((self.tangent.shape[0] - self.n, *forces.shape[1:]))
+        return self.factors.solve(np.concatenate([forces, zeros]))
 
     def moved(self, forces: np.ndarray) -> np.ndarray:
         """Motions under forces, (n,) or (n, k)."""
@@ -220,11 +220,11 @@ class AllowedMotions:
         """Compute them from a sparse [[K, D^T], [D, 0]] and its factors; LinAlgError if K is indefinite."""
         import scipy.sparse
 
-        rest, scale = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
+        n_constraints, scale = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
         alike = scipy.sparse.diags_array(scale)
-        basis = orthonormal_allowed(alike @ tangent @ alike, n) if rest else np.eye(n)
+        basis = orthonormal_allowed(alike @ tangent @ alike, n) if n_constraints else np.eye(n)
         self.basis = scale[:n, None] * basis
-        moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((rest, n - rest))]))[:n]
+        moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((n_constraints, n - n_constraints))]))[:n]
         flexible = basis.T @ (moved / scale[:n, None])
         values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
         if len(values) and not values[0] > -INDEFINITE_FLEXIBILITY * values[-1]:
@@ -243,12 +243,12 @@ def orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
     """Orthonormal basis of the motions that the constraints leave, (n, n - h)."""
     import scipy.sparse
 
-    rest, rows = tangent.shape[0] - n, tangent[n:, :n].tocsr()
+    n_constraints, rows = tangent.shape[0] - n, tangent[n:, :n].tocsr()
     rows = scipy.sparse.diags_array(1 / abs(rows).max(axis=1).toarray().ravel()) @ rows
     projector = SparseFactors(scipy.sparse.block_array([[scipy.sparse.eye_array(n), rows.T], [rows, None]]))
-    basis = np.random.default_rng(0).standard_normal((n, n - rest))
+    basis = np.random.default_rng(0).standard_normal((n, n - n_constraints))
     for _ in range(2):
-        basis = np.linalg.qr(projector.solve(np.vstack([basis, np.zeros((rest, n - rest))]))[:n])[0]
+        basis = np.linalg.qr(projector.solve(np.vstack([basis, np.zeros((n_constraints, n - n_constraints))]))[:n])[0]
     return basis
 
 
@@ -277,9 +277,9 @@ class Lowest(NamedTuple):
 class _Shifted(Constrained):
     """K + s M of element matrices under constraints, with the shift s [rad^2/s^2] and the mass M."""
 
-    def __init__(self, whole: Whole, solver: LinearSolver, shift: float):
-        super().__init__(whole.at(shift), whole.n, solver.factored(whole.elements, mass=shift))
-        self.whole, self.solver, self.shift, self.mass = whole, solver, shift, whole.mass
+    def __init__(self, assembled: AssembledEquations, solver: LinearSolver, shift: float):
+        super().__init__(assembled.at(shift), assembled.n, solver.factored(assembled.elements, mass=shift))
+        self.whole, self.solver, self.shift, self.mass = assembled, solver, shift, assembled.mass
 
     def is_definite(self) -> bool:
         """Whether K + s M is known to be positive definite under the constraints."""
@@ -295,26 +295,26 @@ class _Shifted(Constrained):
             return product
 
         right = np.concatenate([load, np.zeros((self.tangent.shape[0] - n, len(inverse)))])
-        return refined(shifted, self.factors.solve, right, np.ones(n))
+        return refined_solution(shifted, self.factors.solve, right, np.ones(n))
 
 
-def _below_all(whole: Whole, solver: LinearSolver) -> _Shifted:
+def _below_all(assembled: AssembledEquations, solver: LinearSolver) -> _Shifted:
     """Shifted by an s with all eigenvalues above -s; or singular_stiffness.
 
     The eigenvalue nearest to zero is the lowest only if none is below: an unstable mechanism has negative ones.
     """
-    heaviest = whole.mass.diagonal().max(initial=0.0)
-    ratio = np.abs(whole.at().diagonal()[: whole.n]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
+    heaviest = assembled.mass.diagonal().max(initial=0.0)
+    ratio = np.abs(assembled.at().diagonal()[: assembled.n]).max(initial=0.0) / heaviest if heaviest > 0 else 0.0
     shift = 0.0
     for _ in range(MAX_SHIFTS if heaviest > 0 else 1):
-        shifted = _Shifted(whole, solver, shift)
+        shifted = _Shifted(assembled, solver, shift)
         if shifted.is_definite():
             return shifted
         shift = GROWTH * shift or FIRST_SHIFT * (ratio or 1.0)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
 
 
-def refuse_negative_masses(whole: Whole) -> None:
+def refuse_negative_masses(whole: AssembledEquations) -> None:
     """Raise singular_mass if the mass has a negative eigenvalue under the constraints.
 
     If no element's mass is negative, neither is their sum.
@@ -333,16 +333,16 @@ def refuse_negative_masses(whole: Whole) -> None:
     size, rows = np.abs(mass.diagonal()), whole.constraints
     some = NEGATIVE_MASS * np.where(size > 0, size, np.max(size, initial=0.0))
     matrix = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
-    if negative_where_held(matrix, SparseFactors(matrix), n) != 0:
+    if negative_if_constrained(matrix, SparseFactors(matrix), n) != 0:
         raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
 
 
-def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarray]:
+def _largest_inverses(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarray]:
     """Largest mu of M v = mu (K + s M) v, and motions with v^T (K + s M) v = 1, exact or ``rough``."""
     heavy = np.flatnonzero(at.mass.diagonal() != 0)
     if not at.few(count):
         if len(heavy) <= max(FEW, 3 * count):
-            return _of_few_masses(at, heavy, count)
+            return _few_mass_modes(at, heavy, count)
         if rough:
             return at.searched(at.mass, count, None, uneven(at.n), which="LA", tol=ROUGH_EIGENVALUE)
     every = 2 * at.n - at.tangent.shape[0]
@@ -363,8 +363,9 @@ def _found(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray, np.ndarra
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message) from None
 
 
-def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """:func:`_found` if few coordinates have mass: M = S S^T, and S^T C S has these values, C the flexibility."""
+def _few_mass_modes(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """:func:`_largest_inverses` if few coordinates have mass: M = S S^T, and S^T C S has these values, C the"
+    " flexibility."""
     masses, turned = np.linalg.eigh(at.mass[heavy][:, heavy].toarray())
     roots = np.zeros((at.mass.shape[0], len(heavy)))
     roots[heavy] = turned * np.sqrt(np.maximum(masses, 0.0))
@@ -374,7 +375,7 @@ def _of_few_masses(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndar
     return inverse, motions / np.sqrt(np.where(inverse > 0, inverse, 1.0))
 
 
-def lowest_of_sparse(whole: Whole, count: int, solver: LinearSolver) -> Lowest:
+def lowest_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver) -> Lowest:
     """Lowest eigenvalues of K v + D^T m = omega^2 M v, D v = 0, by Lanczos iterations with factors of a solver.
 
     M has no negative eigenvalues under the constraints.
@@ -400,13 +401,13 @@ def lowest_of_sparse(whole: Whole, count: int, solver: LinearSolver) -> Lowest:
         return Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
     if at.shift > 0:
         # Such a small shift leaves few digits for eigenvalues far above it.
-        at = _better(at, _found(at, count, rough=True)[0])
+        at = _better(at, _largest_inverses(at, count, rough=True)[0])
     modes, wrong = _lowest_at(at, count)
     if np.max(wrong, initial=0.0) > GOOD_MOTION:
         # So does a stiffness that is far softer in one motion than in others.
         at = _better(at, 1 / (modes.values[np.isfinite(modes.values)] + at.shift))
         modes, wrong = _lowest_at(at, count)
-    check_modes(wrong, "frequencies")
+    check_converged(wrong, "frequencies")
     return modes
 
 
@@ -420,28 +421,28 @@ def _better(at: _Shifted, inverse: np.ndarray) -> _Shifted:
 def _lowest_at(at: _Shifted, count: int) -> tuple[Lowest, np.ndarray]:
     """Eigenvalues and motions, and the deviation of each from an eigenvector."""
     n, total = at.mass.shape[0], at.tangent.shape[0]
-    inverse, motions = _found(at, count, rough=False)
+    inverse, motions = _largest_inverses(at, count, rough=False)
     order = np.argsort(-inverse)
     inverse = inverse[order]
     inverse = inverse[inverse > MASSLESS_SHARE * (2 * n - total) * inverse[0]]
     some = len(inverse)
-    kept = motions[:, order[:some]]
-    kept = kept / np.sqrt(np.einsum("ij,ij->j", kept, at.mass @ kept))
+    lowest_motions = motions[:, order[:some]]
+    lowest_motions = lowest_motions / np.sqrt(np.einsum("ij,ij->j", lowest_motions, at.mass @ lowest_motions))
     # One more iteration gives the multipliers: K v + D^T m = (w^2 + s) M v.
-    full = at.once_more(kept, inverse)
-    multipliers, wrong = full[n:], changed(full[:n] - kept, kept, at.mass)
+    full = at.once_more(lowest_motions, inverse)
+    multipliers, wrong = full[n:], change_by_iteration(full[:n] - lowest_motions, lowest_motions, at.mass)
     for _ in range(ONCE_MORE):
-        kept, multipliers, inverse, wrong = _told_apart(at.mass, kept, full, inverse)
+        lowest_motions, multipliers, inverse, wrong = _ritz_vectors(at.mass, lowest_motions, full, inverse)
         if np.max(wrong, initial=0.0) <= GOOD_MOTION:
             break
-        full = at.once_more(kept, inverse)
+        full = at.once_more(lowest_motions, inverse)
     modes = Lowest(np.full(count, np.inf), np.zeros((n, count)), np.zeros((total - n, count)))
     modes.values[:some] = 1 / inverse - at.shift
-    modes.motions[:, :some], modes.multipliers[:, :some] = kept, multipliers
+    modes.motions[:, :some], modes.multipliers[:, :some] = lowest_motions, multipliers
     return modes, wrong
 
 
-def _told_apart(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.ndarray):
+def _ritz_vectors(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.ndarray):
     """Eigenvectors among motions one iteration on, by Ritz's method: motions, multipliers, inverses, changes."""
     n = len(motions)
     ahead, before = full[:n], mass @ motions
@@ -452,14 +453,14 @@ def _told_apart(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.nd
     roots = np.linalg.inv(np.linalg.cholesky((massive + massive.T) / 2))
     elastic = roots @ (elastic + elastic.T) @ roots.T / 2
     values, turned = np.diagonal(elastic).copy(), np.eye(len(inverse))
-    for near in np.split(
+    for cluster in np.split(
         np.arange(len(values)), 1 + np.flatnonzero(values[1:] > EIGENVALUES_APART * np.abs(values[:-1]))
     ):
-        square = np.ix_(near, near)
-        values[near], turned[square] = np.linalg.eigh(elastic[square])
+        square = np.ix_(cluster, cluster)
+        values[cluster], turned[square] = np.linalg.eigh(elastic[square])
     full = full @ (roots.T @ turned)
-    left = motions - full[:n] @ (full[:n].T @ before)
-    return full[:n], full[n:], 1 / values, changed(left, motions, mass)
+    residual = motions - full[:n] @ (full[:n].T @ before)
+    return full[:n], full[n:], 1 / values, change_by_iteration(residual, motions, mass)
 
 
 def asks_for_all(count: int, every: int) -> bool:

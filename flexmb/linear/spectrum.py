@@ -48,8 +48,8 @@ def shift_to_definite(
 
     Also whether K itself is positive definite, and whether an s was found.
     """
-    s, stable, found, _ = _shift(k, m)
-    return s, stable, found
+    s, stable, has_shift, _ = _shift(k, m)
+    return s, stable, has_shift
 
 
 def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, Any, Any]:
@@ -57,8 +57,8 @@ def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, An
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
     ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
-    s, found, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, DEFINITE_STIFFNESS * ratio)
-    stable = found & (tries == 1)
+    s, has_shift, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, DEFINITE_STIFFNESS * ratio)
+    stable = has_shift & (tries == 1)
 
     # This shift is a share of the largest stiffness, possibly of a beam too short to matter in any other motion. Then
     # the eigenvalues are far below the digits of s. Each turn finds lower ones, until only zeros are left.
@@ -67,20 +67,20 @@ def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, An
         return after < s
 
     def lower(carry: tuple[Any, ...]):
-        s, after, lowest, told, lost = carry
+        s, after, lowest, all_sure, lost = carry
         values, _, doubt = _eigenvalues(k, m, after, *pencil(m, k + after * m))
         sure = values > jnp.maximum(SURE_EIGENVALUE * doubt, TOLD_BESIDE_SHIFT * after)
-        now = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
-        more = (now < lowest / 2) | jnp.isinf(s)
-        s, lowest = jnp.where(more, after, s), jnp.where(more, now, lowest)
-        told, lost = jnp.where(more, jnp.all(sure), told), jnp.where(more, is_lost(values, doubt), lost)
+        current_lowest = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
+        more = (current_lowest < lowest / 2) | jnp.isinf(s)
+        s, lowest = jnp.where(more, after, s), jnp.where(more, current_lowest, lowest)
+        all_sure, lost = jnp.where(more, jnp.all(sure), all_sure), jnp.where(more, is_lost(values, doubt), lost)
         goal, definite, _ = _smallest(k, m, NEXT_SHIFT * lowest, SHIFT_GROWTH * NEXT_SHIFT * lowest, 0.0)
-        return s, jnp.where(more & definite & (lowest < s), goal, s), lowest, told, lost
+        return s, jnp.where(more & definite & (lowest < s), goal, s), lowest, all_sure, lost
 
     no = jnp.array(False)
-    start = jnp.where(found & ~stable, jnp.inf, s), s, jnp.array(jnp.inf), no, no
-    s, _, _, told, lost = lax.while_loop(unfinished, lower, start)
-    return s, stable | (told & is_positive_definite(k)), found, lost
+    start = jnp.where(has_shift & ~stable, jnp.inf, s), s, jnp.array(jnp.inf), no, no
+    s, _, _, all_sure, lost = lax.while_loop(unfinished, lower, start)
+    return s, stable | (all_sure & is_positive_definite(k)), has_shift, lost
 
 
 def _smallest(
@@ -94,16 +94,16 @@ def _smallest(
 
     def attempt(carry: tuple[Any, ...]):
         _, after, _, tries = carry
-        found = is_positive_definite(k + (after - margin) * m)
-        return after, jnp.where(tries == 0, second, SHIFT_GROWTH * after), found, tries + 1
+        has_shift = is_positive_definite(k + (after - margin) * m)
+        return after, jnp.where(tries == 0, second, SHIFT_GROWTH * after), has_shift, tries + 1
 
     def unfinished(carry: tuple[Any, ...]):
-        _, _, found, tries = carry
-        return ~found & (tries <= MAX_SHIFTS)
+        _, _, has_shift, tries = carry
+        return ~has_shift & (tries <= MAX_SHIFTS)
 
     start = (jnp.zeros(()), first, jnp.array(False), jnp.zeros((), jnp.int32))
-    s, _, found, tries = lax.while_loop(unfinished, attempt, start)
-    return s, found, tries
+    s, _, has_shift, tries = lax.while_loop(unfinished, attempt, start)
+    return s, has_shift, tries
 
 
 def _eigenvalues(
@@ -147,7 +147,7 @@ def spectrum(
             is positive definite; code of RESULTS: singular_mass if M has a negative eigenvalue, lost_in_round_off if
             stiffnesses are too far apart.
     """
-    shift, stable, found, lost = _shift(k, m)
+    shift, stable, has_shift, lost = _shift(k, m)
     n = k.shape[0]
     if count is None or count >= n:
         mu, w = pencil(m, k + shift * m)
@@ -158,7 +158,7 @@ def spectrum(
     lost = lost | is_lost(lax.stop_gradient(values), doubt)
     result = jnp.where(lost, RESULTS.lost_in_round_off, RESULTS.successful)
     result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), result, RESULTS.singular_mass)
-    result = jnp.where(found, result, RESULTS.singular_stiffness)
+    result = jnp.where(has_shift, result, RESULTS.singular_stiffness)
     return values, vectors, stable, result.astype(jnp.int32)
 
 
@@ -198,23 +198,23 @@ def _with_shift(
         return np.min(values[values > TOLD_BESIDE_SHIFT * shift], initial=np.inf)
 
     for _ in range(MAX_SHIFTS + 1):
-        found = attempt(shift)
+        eigenpairs = attempt(shift)
         # A stiffness of round-off would leave no digits for the others.
-        if found is not None and np.all(np.abs(found[0]) * DEFINITE_STIFFNESS * ratio < 1):
+        if eigenpairs is not None and np.all(np.abs(eigenpairs[0]) * DEFINITE_STIFFNESS * ratio < 1):
             break
         shift = max(SHIFT_GROWTH * shift, first * ratio)
     else:
         raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
-    lowest = lowest_told(shift, found)
+    lowest = lowest_told(shift, eigenpairs)
     # As in :func:`shift_to_definite`, for a shift above the eigenvalues.
     while lowest < shift:
         after = NEXT_SHIFT * lowest
         beside = attempt(after)
-        own = np.inf if beside is None else lowest_told(after, beside)
-        if not own < lowest / 2:
+        lowest_beside = np.inf if beside is None else lowest_told(after, beside)
+        if not lowest_beside < lowest / 2:
             break
-        shift, found, lowest = after, beside, own
-    return shift, found
+        shift, eigenpairs, lowest = after, beside, lowest_beside
+    return shift, eigenpairs
 
 
 def symmetric_eigenvalues(k: np.ndarray, m: np.ndarray) -> np.ndarray:
@@ -252,15 +252,15 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     stiff, heavy = (np.max(np.abs(matrix), initial=0.0) or 1.0 for matrix in (k, m))
     size = np.abs(np.diag(k)) / stiff + np.abs(np.diag(m)) / heavy
     scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
-    k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
+    k, c, m = (part * scale[:, None] * scale for part in (k, c, m))
     stiff, heavy = (np.linalg.norm(matrix) or 1.0 for matrix in (k, m))
     w = np.sqrt(stiff / heavy)
     eye, zero = np.eye(n), np.zeros((n, n))
-    left = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
-    right = np.block([[eye, zero], [zero, m / heavy]])
-    quotients: Any = scipy.linalg.eigvals(left, right, homogeneous_eigvals=True)
+    left_pencil = np.block([[zero, eye], [-k / stiff, -c / (w * heavy)]])
+    right_pencil = np.block([[eye, zero], [zero, m / heavy]])
+    quotients: Any = scipy.linalg.eigvals(left_pencil, right_pencil, homogeneous_eigvals=True)
     top, bottom = quotients[0], quotients[1].real
-    finite = np.abs(bottom) > MASSLESS_SHARE * n * np.abs(top) / np.max(np.abs(left))
+    finite = np.abs(bottom) > MASSLESS_SHARE * n * np.abs(top) / np.max(np.abs(left_pencil))
     return in_order(_with_slow(w * top[finite] / bottom[finite], k, c, m))
 
 
@@ -273,10 +273,10 @@ def slowest(poles: Any, count: int | None) -> Complex[np.ndarray, "n"]:
     """The ``count`` poles nearest to zero in their order, one more if the last is one of a complex pair."""
     if count is None or count >= len(poles):
         return poles
-    near = np.argsort(np.abs(poles), kind="stable")
-    last, after = poles[near[count - 1]], poles[near[count]]
+    order = np.argsort(np.abs(poles), kind="stable")
+    last, after = poles[order[count - 1]], poles[order[count]]
     pair = last.imag != 0 and abs(after - np.conj(last)) <= REAL_VALUE * abs(last)
-    return poles[np.sort(near[: count + int(pair)])]
+    return poles[np.sort(order[: count + int(pair)])]
 
 
 def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) -> np.ndarray:
@@ -286,7 +286,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
     accurate to round-off of the slowest pole.
     """
     scale = 1 / np.sqrt(np.where(np.diag(k) > 0, np.diag(k), 1.0))
-    k, c, m = (of * scale[:, None] * scale for of in (k, c, m))
+    k, c, m = (matrix * scale[:, None] * scale for matrix in (k, c, m))
     if not len(fast) or np.linalg.cond(k) > REGULAR_STIFFNESS:
         return fast
     n, by_mass, by_damping = len(k), np.linalg.solve(k, m), np.linalg.solve(k, c)
@@ -296,11 +296,11 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
     fast = fast[np.argsort(np.abs(fast))]
     sizes = np.abs(inverse)
     # Cut at the gap nearest to the middle.
-    apart = 1 + np.flatnonzero(sizes[1:] < (1 - SIZES_APART) * sizes[:-1])
-    if not len(apart) or sizes[0] == 0 or sizes[-1] == 0:
+    gaps = 1 + np.flatnonzero(sizes[1:] < (1 - SIZES_APART) * sizes[:-1])
+    if not len(gaps) or sizes[0] == 0 or sizes[-1] == 0:
         return fast
     middle = np.sqrt(sizes[0] * 1 / (np.abs(fast[-1]) * unit))
-    cut = apart[np.argmin(np.abs(np.log(sizes[apart] / middle)))]
+    cut = gaps[np.argmin(np.abs(np.log(sizes[gaps] / middle)))]
     return np.concatenate([1 / (unit * inverse[:cut]), fast[cut:]])
 
 
@@ -327,9 +327,9 @@ def response_without_mass(mass: Any, stiffness: Any, condensed: tuple[int, ...],
     sides.
     """
     solve = solve or (lambda matrix, right: factorise(matrix).solve(right))
-    out, kept = np.array(condensed, int), np.array([i for i in range(len(mass)) if i not in condensed], int)
+    out, remaining = np.array(condensed, int), np.array([i for i in range(len(mass)) if i not in condensed], int)
     eye = np.eye(len(mass))
-    null = eye[:, out] - eye[:, kept] @ solve(mass[np.ix_(kept, kept)], mass[np.ix_(kept, out)])
+    null = eye[:, out] - eye[:, remaining] @ solve(mass[np.ix_(remaining, remaining)], mass[np.ix_(remaining, out)])
     return null @ solve(null.T @ stiffness @ null, null.T @ forces)
 
 

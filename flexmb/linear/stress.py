@@ -19,12 +19,12 @@ from ..elements.section import Section
 from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
 from ..mechanics.blocks import companion_of
-from ..mechanics.stress_resultants import section_resultants as resultants_of_blocks
+from ..mechanics.stress_resultants import block_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..numerical_limits import BESIDE_BREAK
-from ..results import told
+from ..results import outcome_text
 from ..statics.equilibrium import Equilibrium, by_sparse, equilibrium, warn_of_increment
 from .about import Where, check_state
 from .linearize import Linearization, ManyStates, Stressed
@@ -68,16 +68,16 @@ class SectionResultants(Labelled, Record):
 
     def summary(self) -> Summary:
         """Return the outcome, and the extremes of each force and moment."""
-        rows = {"result": told(self.result), **_extremes(self.quantities(), self.names, self.places)}
+        rows = {"result": outcome_text(self.result), **_extremes(self.quantities(), self.names, self.places)}
         return Summary(f"SectionResultants of {counted(len(self.names), 'element')} at {len(self.places)} places", rows)
 
 
-def _by_place(found: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Any) -> Quantities:
+def _by_place(values_by_name: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Any) -> Quantities:
     """Quantities along elements, with the names of their axes."""
-    states = max(values.ndim for values, _ in found.values()) - 2
+    states = max(values.ndim for values, _ in values_by_name.values()) - 2
     over = (*("step",) * states, "element", "place")
     axes = {"element": Column(("element",), np.array(names)), "place": Column(("place",), places, "-")}
-    return Quantities(over, axes, {name: Column(over, values, unit) for name, (values, unit) in found.items()})
+    return Quantities(over, axes, {name: Column(over, values, unit) for name, (values, unit) in values_by_name.items()})
 
 
 def _extremes(
@@ -164,7 +164,7 @@ class Stress(Labelled, Record):
     def summary(self) -> Summary:
         """Return the outcome, and the extremes of the stresses."""
         stresses = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
-        rows = {"result": told(self.resultants.result), **_extremes(stresses, self.names, self.places)}
+        rows = {"result": outcome_text(self.resultants.result), **_extremes(stresses, self.names, self.places)}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
         if self.left_out:
@@ -370,15 +370,15 @@ def _resultants(asked: _Asked, *, several: bool):
 @jit
 def _stress(asked: _Asked, *, several: bool):
     """Resultants, stresses along, in shear, equivalent and across, and limits of materials by quantity."""
-    (found, across) = (jax.vmap(_stress_in, (None, 0)) if several else _stress_in)(asked, asked.states)
-    return *found, {**_borne(asked), "across": across}
+    (stresses, across) = (jax.vmap(_stress_in, (None, 0)) if several else _stress_in)(asked, asked.states)
+    return *stresses, {**_borne(asked), "across": across}
 
 
 def _stress_in(asked: _Asked, state: Stressed):
     """Resultants and stresses in one state; the last is None without stress across."""
     resultants = asked.resultants(state)
     strain = state.e if asked.parameters.strain is None else state.e - asked.parameters.strain
-    pieces = []
+    block_stresses = []
     for values, (block, properties, lengths) in zip(resultants, asked.blocks(), strict=True):
         for part, stack in _stacks(properties):
             values_of_stack, length = values[part], lengths[part]
@@ -386,17 +386,21 @@ def _stress_in(asked: _Asked, state: Stressed):
                 alike = {n: jax.tree.map(lambda p, at=part: p[at], v) for n, v in properties.items() if n != "section"}
                 function, alike = companion_of(block, {**alike, "section": stack}, "surface")
                 ref = asked.parameters.reference[block.x]
-                pieces.append(_along(function, strain[block.e][part], ref[part], alike, asked.places, values_of_stack))
+                block_stresses.append(
+                    _along(function, strain[block.e][part], ref[part], alike, asked.places, values_of_stack)
+                )
             elif stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
-                pieces.append(jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, values_of_stack))
+                block_stresses.append(
+                    jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, values_of_stack)
+                )
             else:
                 # Rigid elements in a block with flexible ones have no stress; ``rows`` leaves these zeros out.
-                pieces.append((jnp.zeros((*values_of_stack.shape[:2], POINTS)),) * 2)
-    sigma_x, tau = (jnp.concatenate([piece[i] for piece in pieces])[asked.rows] for i in range(2))
+                block_stresses.append((jnp.zeros((*values_of_stack.shape[:2], POINTS)),) * 2)
+    sigma_x, tau = (jnp.concatenate([piece[i] for piece in block_stresses])[asked.rows] for i in range(2))
     across = None
-    if any(len(piece) > 2 for piece in pieces):
-        parts = [piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in pieces]
+    if any(len(piece) > 2 for piece in block_stresses):
+        parts = [piece[2] if len(piece) > 2 else jnp.zeros_like(piece[0]) for piece in block_stresses]
         across = jnp.concatenate(parts)[asked.rows]
     equivalent = von_mises(sigma_x, tau, 0.0 if across is None else across)
     return (jnp.concatenate(resultants)[asked.rows], sigma_x, tau, equivalent), across
@@ -409,8 +413,8 @@ def _borne(asked: _Asked) -> dict[str, Float[Array, "k places"]]:
 
     for quantity in ("strength", "fatigue"):
 
-        def at(section: Section, length: Float[Array, ""], place: Float[Array, ""], of: str = quantity):
-            return jnp.asarray(section.at(place, length).stated(of), float)
+        def at(section: Section, length: Float[Array, ""], place: Float[Array, ""], name: str = quantity):
+            return jnp.asarray(section.at(place, length).stated(name), float)
 
         if any(stack.states(quantity) for stack, _ in stacks):
             every = [
@@ -433,8 +437,10 @@ def _along(
 ):
     """Stress by an element's own companion, at places along each element."""
 
-    def at(e: Any, ref: Any, own: dict[str, Any], place: Float[Array, ""], resultants: Float[Array, "6"]):
-        return function((e,), ref, own, place=place, resultants=resultants)
+    def at(
+        e: Any, ref: Any, element_properties: dict[str, Any], place: Float[Array, ""], resultants: Float[Array, "6"]
+    ):
+        return function((e,), ref, element_properties, place=place, resultants=resultants)
 
     return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
 
@@ -490,8 +496,8 @@ def _state(
     names, rows = _rows(model.labels)
     if not names:
         raise ModelError("No flexible element has a section. Give one to the beams or trusses in question.")
-    kept = [name not in left_out for name in names]
-    names, rows = tuple(itertools.compress(names, kept)), rows[kept]
+    included = [name not in left_out for name in names]
+    names, rows = tuple(itertools.compress(names, included)), rows[included]
     where.refuse(function)
     several = isinstance(where.at, ManyStates) and where.step is None and where.time is None
     if at is None:
@@ -587,7 +593,7 @@ def stress(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`section_resultants`; ``at=path``
+        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`block_resultants`; ``at=path``
             and ``at=motion`` return all their states.
 
     Returns:
@@ -603,7 +609,7 @@ def stress(
         AnalysisError: As for ``equilibrium``.
 
     Source:
-        :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
+        :func:`block_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
     left_out = left_out_of_stress(as_model(model, "stress"))
     where = Where(at, step, time, increment)

@@ -25,8 +25,12 @@ class Bordered:
             self._whole, self.regular = self._factors_of_all(matrix)
             return
         self._across = factored.solve(column)
-        left = factored.solve(row, transposed=True)
-        self._left, self._by_left, self._by_across = left, corner - left @ column, corner - row @ self._across
+        left_solution = factored.solve(row, transposed=True)
+        self._left, self._by_left, self._by_across = (
+            left_solution,
+            corner - left_solution @ column,
+            corner - row @ self._across,
+        )
         scalars = np.array([self._by_left, self._by_across])
         self.regular = bool(np.all(np.isfinite(scalars)) and np.all(scalars != 0) and np.all(np.isfinite(self._across)))
 
@@ -43,8 +47,8 @@ class Bordered:
     def left(self) -> np.ndarray:
         """First part y of the solution of [y, w] [matrix, column; row, corner] = [0, 1]."""
         if self._factored is None:
-            one = np.append(np.zeros_like(self._column), self._by_column)
-            return self._whole.solve(one, transposed=True)[:-1]
+            right_side = np.append(np.zeros_like(self._column), self._by_column)
+            return self._whole.solve(right_side, transposed=True)[:-1]
         return -self._left / self._by_left
 
     def _factors_of_all(self, matrix: Any) -> tuple[SparseFactors, bool]:

@@ -16,7 +16,7 @@ from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..numerical_limits import FORCE_ROUND_OFF, REFINED, UNREFINED
 from ..results import RESULTS
-from .element_matrices import ElementMatrices, times, times_transposed
+from .element_matrices import ElementMatrices, matrix_times, times_transposed
 from .indices import put
 from .linear import uneven
 
@@ -24,44 +24,46 @@ from .linear import uneven
 MOST_CORRECTIONS = 20
 
 
-def spread(elements: ElementMatrices, moving: Any) -> Any:
+def motions_from_free(elements: ElementMatrices, moving: Any) -> Any:
     """Motions of all coordinates, (n_x, k), from the motions of the free coordinates; all others are zero."""
-    whole = library_of(moving).zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
-    return put(whole, elements.free, moving)
+    zeros = library_of(moving).zeros((elements.sizes.shape[0], moving.shape[1]), moving.dtype)
+    return put(zeros, elements.free, moving)
 
 
 @jit
-def product(
+def saddle_product(
     elements: ElementMatrices, z: Inexact[Array, "r k"], values: Any = None, s: Any = None
 ) -> Inexact[Array, "r k"]:
     """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]]."""
     n_x, (n, _), n_e = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
-    v = spread(elements, z[:n])
-    changed = times(elements.constraints, v, size=n_e)
-    sigma = times(elements.elastic, changed, size=n_e) + put(jnp.zeros_like(changed), elements.held, z[n:])
+    v = motions_from_free(elements, z[:n])
+    changed = matrix_times(elements.constraints, v, size=n_e)
+    sigma = matrix_times(elements.elastic, changed, size=n_e) + put(jnp.zeros_like(changed), elements.held, z[n:])
     if s is not None:
-        sigma = sigma + s * times(elements.viscous, changed, size=n_e)
+        sigma = sigma + s * matrix_times(elements.viscous, changed, size=n_e)
     if elements.lossy:
-        sigma = sigma + 1j * times(elements.lossy, changed, size=n_e)
-    forces = times_transposed(elements.constraints, sigma, size=n_x) + times(elements.curved, v, size=n_x)
+        sigma = sigma + 1j * matrix_times(elements.lossy, changed, size=n_e)
+    forces = times_transposed(elements.constraints, sigma, size=n_x) + matrix_times(elements.curved, v, size=n_x)
     if values is not None:
-        forces = forces - times(elements.mass, v, size=n_x) * values
+        forces = forces - matrix_times(elements.mass, v, size=n_x) * values
     if s is not None:
-        forces = forces + s**2 * times(elements.mass, v, size=n_x)
+        forces = forces + s**2 * matrix_times(elements.mass, v, size=n_x)
     return jnp.concatenate([forces[elements.free], changed[elements.held]])
 
 
-def bordered(
+def bordered_product(
     elements: ElementMatrices, z: Float[Array, "r *k"], border: Float[Array, "n b"], values: Any = None
 ) -> Array:
-    """As :func:`product`, bordered by motions to which z is orthogonal; z ends with forces along them."""
+    """As :func:`saddle_product`, bordered by motions to which z is orthogonal; z ends with forces along them."""
     (n, h) = elements.unknowns
-    balance = product(elements, z[: n + h], values)
+    balance = saddle_product(elements, z[: n + h], values)
     balance = balance.at[:n].add(border @ z[n + h :])
     return jnp.concatenate([balance, border.T @ z[:n]])
 
 
-def deformed(elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]) -> Inexact[np.ndarray, "n_e k"]:
+def deformations_of_motions(
+    elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]
+) -> Inexact[np.ndarray, "n_e k"]:
     """Deformations of motions of all coordinates, by NumPy."""
     deformations = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
     for rows, columns, matrices in elements.constraints:
@@ -69,7 +71,7 @@ def deformed(elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]) -
     return deformations
 
 
-def pulled(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> Inexact[np.ndarray, "n_x k"]:
+def forces_of_stress(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> Inexact[np.ndarray, "n_x k"]:
     """Forces of stress resultants on all coordinates, by NumPy."""
     return times_transposed(elements.constraints, sigma, size=len(elements.sizes))
 
@@ -77,7 +79,7 @@ def pulled(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> In
 def forces(
     elements: ElementMatrices, z: Inexact[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
 ) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`product`, by NumPy."""
+    """As :func:`saddle_product`, by NumPy."""
     n = elements.unknowns[0]
     v = np.zeros((len(elements.sizes), z.shape[1]), z.dtype)
     v[elements.free] = z[:n]
@@ -93,14 +95,14 @@ def forces_of(
 ) -> Inexact[np.ndarray, "r k"]:
     """As :func:`forces`, for motions of all coordinates, also those that do not move by themselves."""
     n_x, n_e = len(elements.sizes), len(elements.kept)
-    changed, product = deformed(elements, v), times_transposed if transposed else times
+    changed, product = deformations_of_motions(elements, v), times_transposed if transposed else matrix_times
     sigma = product(elements.elastic, changed, size=n_e)
     sigma[elements.held] += multipliers
     if s is not None:
         sigma = sigma + s * product(elements.viscous, changed, size=n_e)
     if elements.lossy:
         sigma = sigma + 1j * product(elements.lossy, changed, size=n_e)
-    balance = pulled(elements, sigma) + product(elements.curved, v, size=n_x)
+    balance = forces_of_stress(elements, sigma) + product(elements.curved, v, size=n_x)
     if s is not None:
         balance = balance + s**2 * product(elements.mass, v, size=n_x)
     return np.concatenate([balance[elements.free], changed[elements.held]])
@@ -110,7 +112,7 @@ def energies_between(
     elements: ElementMatrices, left: Float[np.ndarray, "n_x k"], right: Float[np.ndarray, "n_x m"]
 ) -> Float[np.ndarray, "k m"]:
     """Elastic stiffness between motions of all coordinates, one per column."""
-    before, behind = deformed(elements, left), deformed(elements, right)
+    before, behind = deformations_of_motions(elements, left), deformations_of_motions(elements, right)
     work = np.zeros((left.shape[1], right.shape[1]))
     for rows, columns, matrices in elements.elastic:
         work += np.tensordot(before[rows], matrices @ behind[columns], ((0, 1), (0, 1)))
@@ -119,7 +121,7 @@ def energies_between(
 
 def energies(elements: ElementMatrices, motions: Float[np.ndarray, "n_x k"]) -> Float[np.ndarray, "k"]:
     """Twice the elastic energy of motions of all coordinates, one per column."""
-    changed, twice = deformed(elements, motions), np.zeros(motions.shape[1])
+    changed, twice = deformations_of_motions(elements, motions), np.zeros(motions.shape[1])
     for rows, columns, matrices in elements.elastic:
         twice += np.einsum("eik,eij,ejk->k", changed[rows], matrices, changed[columns])
     return twice
@@ -132,7 +134,7 @@ def softness(solve: Callable[[np.ndarray], np.ndarray], sizes: Float[np.ndarray,
     return float(np.max(np.abs(solve(forces)[:n, 0]) / sizes, initial=0.0))
 
 
-def refined(
+def refined_solution(
     product: Callable[[np.ndarray], np.ndarray],
     solve: Callable[[np.ndarray], np.ndarray],
     right: Inexact[np.ndarray, "r k"],

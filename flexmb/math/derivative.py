@@ -25,10 +25,10 @@ def jvp_of_varied(function: Callable[..., Any], primals: tuple, tangents: tuple)
     varied = [i for i, change in enumerate(changes) if not isinstance(change, SymbolicZero)]
 
     def of_varied(values: list[Any]):
-        whole = list(leaves)
+        all_leaves = list(leaves)
         for i, value in zip(varied, values, strict=True):
-            whole[i] = value
-        return function(*jax.tree.unflatten(structure, whole))
+            all_leaves[i] = value
+        return function(*jax.tree.unflatten(structure, all_leaves))
 
     return jax.jvp(of_varied, ([leaves[i] for i in varied],), ([changes[i] for i in varied],))
 
@@ -64,10 +64,10 @@ def with_derivative(
     places = [i for i, leaf in enumerate(leaves) if isinstance(leaf, jax.Array | np.ndarray)]
 
     def called(which: Callable[..., Any], numbers: Sequence[Any]):
-        whole = list(leaves)
+        all_leaves = list(leaves)
         for i, number in zip(places, numbers, strict=True):
-            whole[i] = number
-        return which(*jax.tree.unflatten(structure, whole))
+            all_leaves[i] = number
+        return which(*jax.tree.unflatten(structure, all_leaves))
 
     @jax.custom_vjp
     def value(*numbers: Any):
@@ -75,21 +75,24 @@ def with_derivative(
 
     def ahead(*numbers: Any):
         values = [number.value for number in numbers]
-        found, carried = called(forward, values)
+        results, carried = called(forward, values)
         # An empty tuple marks numbers that vary: residuals may hold arrays alone.
-        return found, (values, carried, [() if number.perturbed else None for number in numbers])
+        return results, (values, carried, [() if number.perturbed else None for number in numbers])
 
     def back(carried: tuple[Any, ...], changes: Any):
-        values, kept, marks = carried
+        values, saved, marks = carried
         numbers = jax.tree.map(_number_of, changes, is_leaf=lambda change: isinstance(change, SymbolicZero))
-        given = called(lambda *whole: whole, values)
+        arguments = called(lambda *parts: parts, values)
         varies = [False] * len(leaves)
         for i, mark in zip(places, marks, strict=True):
             varies[i] = mark is not None
-        left = iter(varies)
-        parts = [_varied(one, list(itertools.islice(left, len(jax.tree.leaves(one))))) for one in given]
-        found = itertools.chain.from_iterable(backward(parts, kept, numbers))
-        return tuple(None if mark is None else next(found) for mark in marks)
+        remaining = iter(varies)
+        parts = [
+            _varied(argument, list(itertools.islice(remaining, len(jax.tree.leaves(argument)))))
+            for argument in arguments
+        ]
+        derivatives = itertools.chain.from_iterable(backward(parts, saved, numbers))
+        return tuple(None if mark is None else next(derivatives) for mark in marks)
 
     value.defvjp(ahead, back, symbolic_zeros=True)
     return value(*[leaves[i] for i in places])
@@ -118,12 +121,12 @@ def root_or_zero(square: Any) -> Any:
 def _varied(argument: Any, varies: list[bool]) -> Varied:
     leaves, structure = jax.tree.flatten(argument)
 
-    def whole(numbers: list[Any]):
-        left = iter(numbers)
-        own = [next(left) if varied else leaf for leaf, varied in zip(leaves, varies, strict=True)]
-        return jax.tree.unflatten(structure, own)
+    def with_numbers(numbers: list[Any]):
+        remaining = iter(numbers)
+        merged = [next(remaining) if varied else leaf for leaf, varied in zip(leaves, varies, strict=True)]
+        return jax.tree.unflatten(structure, merged)
 
-    return Varied([leaf for leaf, varied in zip(leaves, varies, strict=True) if varied], whole, varies)
+    return Varied([leaf for leaf, varied in zip(leaves, varies, strict=True) if varied], with_numbers, varies)
 
 
 def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], once: str) -> Callable[..., Any]:
@@ -137,14 +140,14 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], 
         ahead: Returns the value and what the backward pass needs: arrays, or None to evaluate the function again.
         once: Message of the error that a second derivative raises.
     """
-    run, there = jit_beside_options(function), jit_beside_options(ahead)
+    run, run_ahead = jit_beside_options(function), jit_beside_options(ahead)
 
     def pulled(varies: tuple[bool, ...], arguments: tuple[Any, ...], known: Any, changes: Any):
-        own = _varied(arguments, list(varies))
-        found, pull = jax.vjp(lambda numbers: function(*own.whole(numbers), known=known), own.numbers)
-        whole_numbers = [np.zeros(one.shape, jax.dtypes.float0) for one in jax.tree.leaves(found)]
-        given = [a if b is None else b for a, b in zip(whole_numbers, changes, strict=True)]
-        return pull(jax.tree.unflatten(jax.tree.structure(found), given))[0]
+        varied = _varied(arguments, list(varies))
+        outputs, pull = jax.vjp(lambda numbers: function(*varied.whole(numbers), known=known), varied.numbers)
+        whole_numbers = [np.zeros(leaf.shape, jax.dtypes.float0) for leaf in jax.tree.leaves(outputs)]
+        cotangents = [a if b is None else b for a, b in zip(whole_numbers, changes, strict=True)]
+        return pull(jax.tree.unflatten(jax.tree.structure(outputs), cotangents))[0]
 
     pulled.__module__, pulled.__name__ = function.__module__, f"{function.__name__}_back"
     back = jit_beside_options(pulled)
@@ -157,31 +160,31 @@ def jit_beside_reverse(function: Callable[..., Any], ahead: Callable[..., Any], 
 
         def way_back(parts: list[Varied], known: Any, changes: Any):
             varies = tuple(varied for part in parts for varied in part.varies)
-            given = [None if one.dtype == jax.dtypes.float0 else one for one in jax.tree.leaves(changes)]
+            cotangents = [None if leaf.dtype == jax.dtypes.float0 else leaf for leaf in jax.tree.leaves(changes)]
             # Inputs are refused too: the backward pass may call the host, whose derivatives JAX refuses unclearly.
-            numbers, given = refusing_derivatives(([part.numbers for part in parts], given), once)
-            whole = tuple(part.whole(own) for part, own in zip(parts, numbers, strict=True))
-            found = iter(back(varies, whole, known, given))
-            return [[next(found) for _ in part.numbers] for part in parts]
+            numbers, cotangents = refusing_derivatives(([part.numbers for part in parts], cotangents), once)
+            full_parts = tuple(part.whole(part_numbers) for part, part_numbers in zip(parts, numbers, strict=True))
+            derivatives = iter(back(varies, full_parts, known, cotangents))
+            return [[next(derivatives) for _ in part.numbers] for part in parts]
 
         values: list[Any] = []
 
-        def forward(*given: Any):
-            value, known = there(*given)
+        def forward(*inputs: Any):
+            value, known = run_ahead(*inputs)
             values.append(value)
             return value, known
 
-        found = with_derivative(run, forward, way_back, *arguments)
+        result = with_derivative(run, forward, way_back, *arguments)
         # Integers and flags have no derivative: return their known values.
-        return jax.tree.map(_as_known, found, values[-1]) if values else found
+        return jax.tree.map(_as_known, result, values[-1]) if values else result
 
     return call
 
 
-def _as_known(found: Any, known: Any) -> Any:
+def _as_known(number: Any, known: Any) -> Any:
     """The known value of an integer or flag, else the differentiated value."""
-    whole = not jnp.issubdtype(found.dtype, jnp.inexact) and not isinstance(known, jax.core.Tracer)
-    return known if whole else found
+    use_known = not jnp.issubdtype(number.dtype, jnp.inexact) and not isinstance(known, jax.core.Tracer)
+    return known if use_known else number
 
 
 def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:

@@ -29,18 +29,18 @@ def dissected(matrix: Any) -> np.ndarray:
     graph = graph[first][:, first]
     order: list[np.ndarray] = []
     # Separators are eliminated last and found first: the order is reversed at the end.
-    left = [np.arange(len(first))]
-    while left:
-        among = left.pop()
+    pending = [np.arange(len(first))]
+    while pending:
+        among = pending.pop()
         parts = _parts(graph[among][:, among]) if len(among) > SMALL else ()
         if parts:
             *halves, between = parts
             order.append(among[between])
-            left.extend(among[half] for half in halves)
+            pending.extend(among[half] for half in halves)
         else:
             order.append(among)
     vertices = np.concatenate(order[::-1]) if order else np.arange(0)
-    return np.concatenate([unknowns[one] for one in vertices]) if n else np.arange(0)
+    return np.concatenate([unknowns[place] for place in vertices]) if n else np.arange(0)
 
 
 def _parts(graph: Any) -> tuple[np.ndarray, ...]:
@@ -49,13 +49,13 @@ def _parts(graph: Any) -> tuple[np.ndarray, ...]:
 
     count, component = connected_components(graph, directed=False)
     if count > 1:
-        return *(np.flatnonzero(component == one) for one in range(count)), np.zeros(0, int)
+        return *(np.flatnonzero(component == number) for number in range(count)), np.zeros(0, int)
     begin, levels = 0, np.zeros(graph.shape[0], int)
     for _ in range(TRIES):
-        found = dijkstra(graph, unweighted=True, indices=begin).astype(int)
-        if np.max(found) <= np.max(levels):
+        distances = dijkstra(graph, unweighted=True, indices=begin).astype(int)
+        if np.max(distances) <= np.max(levels):
             break
-        levels = found
+        levels = distances
         farthest = np.flatnonzero(levels == np.max(levels))
         begin = farthest[np.argmin(np.diff(graph.indptr)[farthest])]
     sizes = np.bincount(levels)

@@ -16,7 +16,7 @@ from .sparse import SparseFactors, SparsePattern
 MOST_PATTERNS = 8
 
 # Row indices (elements, r), column indices (elements, c) and matrices (elements, r, c).
-Pieces = list[tuple[Any, Any, Any]]
+BlockMatrices = list[tuple[Any, Any, Any]]
 
 
 class ElementMatrices(NamedTuple):
@@ -38,22 +38,22 @@ class ElementMatrices(NamedTuple):
         kept: One for each deformation that is not held, else zero, (n_e,).
     """
 
-    structural: Pieces
-    curved: Pieces
-    damping: Pieces
-    mass: Pieces
-    loss: Pieces
-    constraints: Pieces
-    elastic: Pieces
-    viscous: Pieces
-    lossy: Pieces
+    structural: BlockMatrices
+    curved: BlockMatrices
+    damping: BlockMatrices
+    mass: BlockMatrices
+    loss: BlockMatrices
+    constraints: BlockMatrices
+    elastic: BlockMatrices
+    viscous: BlockMatrices
+    lossy: BlockMatrices
     free: Any
     held: Any
     sizes: Any
     kept: Any
 
     @property
-    def stiffness(self) -> Pieces:
+    def stiffness(self) -> BlockMatrices:
         """All of the tangent: elements, stress resultants and loads."""
         return [*self.structural, *self.curved]
 
@@ -63,61 +63,65 @@ class ElementMatrices(NamedTuple):
         return self.free.shape[0], self.held.shape[0]
 
 
-def times(pieces: Pieces, vectors: Any, *, size: int) -> Any:
+def matrix_times(pieces: BlockMatrices, vectors: Any, *, size: int) -> Any:
     """Product of a matrix in pieces with ``size`` rows, and vectors as columns; by NumPy for NumPy's arrays."""
     if not _are_known(pieces, vectors):
         return _times(pieces, vectors, size=size)
-    found = np.zeros((size, vectors.shape[1]), vectors.dtype)
+    product = np.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
-        np.add.at(found, rows, matrices @ vectors[columns])
-    return found
+        np.add.at(product, rows, matrices @ vectors[columns])
+    return product
 
 
-def _are_known(pieces: Pieces, vectors: Any) -> bool:
-    return isinstance(vectors, np.ndarray) and all(isinstance(own, np.ndarray) for *_, own in pieces)
+def _are_known(element_matrices: BlockMatrices, vectors: Any) -> bool:
+    return isinstance(vectors, np.ndarray) and all(
+        isinstance(matrices, np.ndarray) for *_, matrices in element_matrices
+    )
 
 
 @jit
-def _times(pieces: Pieces, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
-    found: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
+def _times(pieces: BlockMatrices, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
+    product: Any = jnp.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
-        found = accumulate(found, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns]))
-    return found
+        product = accumulate(
+            product, rows, jnp.einsum("eij,ejk->eik", matrices.astype(vectors.dtype), vectors[columns])
+        )
+    return product
 
 
-def times_transposed(pieces: Pieces, vectors: Any, *, size: int) -> Any:
-    """Product of the transposed matrix and vectors; see :func:`times`."""
+def times_transposed(pieces: BlockMatrices, vectors: Any, *, size: int) -> Any:
+    """Product of the transposed matrix and vectors; see :func:`matrix_times`."""
     if not _are_known(pieces, vectors):
         return _times_transposed(pieces, vectors, size=size)
-    return times(_turned(pieces), vectors, size=size)
+    return matrix_times(_turned(pieces), vectors, size=size)
 
 
 @jit
-def _times_transposed(pieces: Pieces, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
-    return times(_turned(pieces), vectors, size=size)
+def _times_transposed(pieces: BlockMatrices, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
+    return matrix_times(_turned(pieces), vectors, size=size)
 
 
-def _turned(pieces: Pieces) -> Pieces:
-    return [(columns, rows, own.mT) for rows, columns, own in pieces]
+def _turned(element_matrices: BlockMatrices) -> BlockMatrices:
+    return [(columns, rows, matrices.mT) for rows, columns, matrices in element_matrices]
 
 
 def transposed(elements: ElementMatrices) -> ElementMatrices:
     """The same with everything but mass and constraints transposed; without a potential these are unsymmetric."""
-    own = elements
+    matrices = elements
     names = ("structural", "curved", "damping", "loss", "elastic", "viscous", "lossy")
-    return own._replace(**{name: _turned(getattr(own, name)) for name in names})
+    return matrices._replace(**{name: _turned(getattr(matrices, name)) for name in names})
 
 
-def by_coordinates(constraints: Pieces, pieces: Pieces) -> Pieces:
+def by_coordinates(constraints: BlockMatrices, pieces: BlockMatrices) -> BlockMatrices:
     """Element matrices by coordinates, D^T A D, from constraints D and matrices A by deformations, or none."""
     return [
         (columns, columns, d.mT @ a @ d) for (_, columns, d), (*_, a) in zip(constraints, pieces, strict=bool(pieces))
     ]
 
 
-def between(pieces: Pieces, left: Any, right: Any) -> Any:
+def quadratic_form(pieces: BlockMatrices, left: Any, right: Any) -> Any:
     """Quadratic form left^T A right, (a, b), of a matrix in pieces."""
-    return left.T @ times(pieces, right, size=left.shape[0])
+    return left.T @ matrix_times(pieces, right, size=left.shape[0])
 
 
 class SparseMatrices(NamedTuple):
@@ -129,7 +133,7 @@ class SparseMatrices(NamedTuple):
     D: Any
 
 
-class Whole:
+class AssembledEquations:
     """Sparse equations of the free coordinates and the multipliers, in one pattern for all matrices.
 
     Attributes:
@@ -144,11 +148,11 @@ class Whole:
         self._size = self.n + h
         self._pattern = _pattern_of(elements)
         start, data = 0, []
-        for pieces in [*_groups(elements), _turned(elements.constraints)]:
-            own = np.concatenate([np.zeros(0), *(np.ravel(matrices) for *_, matrices in pieces)])
-            slots = self._pattern.slots[start : start + len(own)]
-            data.append(np.bincount(slots, own, len(self._pattern.rows) + 1)[:-1])
-            start += len(own)
+        for element_matrices in [*_groups(elements), _turned(elements.constraints)]:
+            entries = np.concatenate([np.zeros(0), *(np.ravel(matrices) for *_, matrices in element_matrices)])
+            slots = self._pattern.slots[start : start + len(entries)]
+            data.append(np.bincount(slots, entries, len(self._pattern.rows) + 1)[:-1])
+            start += len(entries)
         self._s, self._g, self._c, self._m, self._l = data[:5]
         self._k, self._d = self._s + self._g, data[5] + data[6]
 
@@ -160,8 +164,8 @@ class Whole:
     def at(self, mass: float = 0.0, damping: float = 0.0) -> Any:
         """Matrix [[K + a M + b C, D^T], [D, 0]]."""
         data = self._k + self._d
-        for factor, own in ((mass, self._m), (damping, self._c)):
-            data = data + factor * own if factor else data
+        for factor, values in ((mass, self._m), (damping, self._c)):
+            data = data + factor * values if factor else data
         return self._matrix(data)
 
     def at_frequency(self, s: complex) -> Any:
@@ -176,8 +180,8 @@ class Whole:
         """Matrix of :meth:`at` with free motions, (n, k), to which the solution is to be orthogonal."""
         import scipy.sparse
 
-        rest = np.zeros((self._size - self.n, border.shape[1]))
-        columns = scipy.sparse.csc_array(np.concatenate([border, rest]))
+        zeros = np.zeros((self._size - self.n, border.shape[1]))
+        columns = scipy.sparse.csc_array(np.concatenate([border, zeros]))
         return scipy.sparse.block_array([[matrix, columns], [columns.T, None]], format="csc")
 
     @property
@@ -215,15 +219,15 @@ class Whole:
     def apart(self) -> SparseMatrices:
         """All four matrices, without stored zeros."""
         k, c, m, d = (self._matrix(data) for data in (self._k, self._c, self._m, self._d))
-        found = [own[: self.n, : self.n] for own in (k, c, m)] + [d[self.n :, : self.n]]
-        for own in found:
-            own.eliminate_zeros()
-        return SparseMatrices(*found)
+        parts = [matrix[: self.n, : self.n] for matrix in (k, c, m)] + [d[self.n :, : self.n]]
+        for matrix in parts:
+            matrix.eliminate_zeros()
+        return SparseMatrices(*parts)
 
 
-def _groups(elements: ElementMatrices) -> list[Pieces]:
-    own = elements
-    return [own.structural, own.curved, own.damping, own.mass, own.loss, own.constraints]
+def _groups(elements: ElementMatrices) -> list[BlockMatrices]:
+    matrices = elements
+    return [matrices.structural, matrices.curved, matrices.damping, matrices.mass, matrices.loss, matrices.constraints]
 
 
 _known: OrderedDict[bytes, SparsePattern] = OrderedDict()
@@ -231,26 +235,26 @@ _known: OrderedDict[bytes, SparsePattern] = OrderedDict()
 
 def _pattern_of(elements: ElementMatrices) -> SparsePattern:
     """Places of all entries, kept for other models whose elements join the same nodes in the same roles."""
-    told, seen = hashlib.blake2b(digest_size=16), []
+    hasher, seen = hashlib.blake2b(digest_size=16), []
     groups = _groups(elements)
-    places = [[(rows, columns) for rows, columns, _ in pieces] for pieces in groups]
+    places = [[(rows, columns) for rows, columns, _ in element_matrices] for element_matrices in groups]
     for array in (elements.free, elements.held, *(index for group in places for pair in group for index in pair)):
         # Most index arrays occur several times.
-        same = next((i for i, own in enumerate(seen) if np.array_equal(own, array)), None)
-        told.update(repr((array.shape, array.dtype, same)).encode())
+        same = next((i for i, known in enumerate(seen) if np.array_equal(known, array)), None)
+        hasher.update(repr((array.shape, array.dtype, same)).encode())
         if same is None:
-            told.update(np.ascontiguousarray(array).tobytes())
+            hasher.update(np.ascontiguousarray(array).tobytes())
         seen.append(array)
-    told.update(repr([len(group) for group in places]).encode())
-    key = told.digest()
-    pattern = _known.pop(key, None) or _found(elements, places)
+    hasher.update(repr([len(group) for group in places]).encode())
+    key = hasher.digest()
+    pattern = _known.pop(key, None) or _sparse_pattern(elements, places)
     _known[key] = pattern
     if len(_known) > MOST_PATTERNS:
         _known.popitem(last=False)
     return pattern
 
 
-def _found(elements: ElementMatrices, places: list[list[tuple[Any, Any]]]) -> SparsePattern:
+def _sparse_pattern(elements: ElementMatrices, places: list[list[tuple[Any, Any]]]) -> SparsePattern:
     n, h = elements.unknowns
     of_x, of_e = np.full(len(elements.sizes), -1), np.full(len(elements.kept), -1)
     of_x[elements.free], of_e[elements.held] = np.arange(n), n + np.arange(h)

@@ -13,20 +13,20 @@ TRUSTED = {"mode": "promise_in_bounds", "wrap_negative_indices": False}
 def put(whole: Any, indices: Any, values: ArrayLike) -> Any:
     """Copy of an array with rows replaced; no index repeats."""
     if _known(whole, values):
-        found = np.array(whole)
-        found[indices] = values
-        return found
+        result = np.array(whole)
+        result[indices] = values
+        return result
     return jnp.asarray(whole).at[indices].set(values, unique_indices=True, **TRUSTED)
 
 
 def accumulate(whole: Any, indices: Any, values: ArrayLike) -> Any:
     """Copy of an array with values added; indices may repeat."""
     if _known(whole, values):
-        found = np.array(whole)
-        np.add.at(found, indices, values)
-        return found
+        result = np.array(whole)
+        np.add.at(result, indices, values)
+        return result
     return jnp.asarray(whole).at[indices].add(values, **TRUSTED)
 
 
-def _known(whole: Any, values: ArrayLike) -> bool:
-    return isinstance(whole, np.ndarray) and not isinstance(values, jax.Array)
+def _known(array: Any, values: ArrayLike) -> bool:
+    return isinstance(array, np.ndarray) and not isinstance(values, jax.Array)

@@ -68,12 +68,12 @@ def _solution(factors: Factors, right: Float[Array, "n *k"], transposed: bool) -
     ``custom_linear_solve`` keeps the dependence on the matrix. A derivative rule that solves for a tangent can
     therefore be differentiated again.
     """
-    own = factors.matrix.T if transposed else factors.matrix
+    matrix = factors.matrix.T if transposed else factors.matrix
 
     def by_factors(other_way: bool):
         return lambda _, right: _by_factors(factors, right, transposed != other_way)
 
-    return jax.lax.custom_linear_solve(lambda x: own @ x, right, by_factors(False), by_factors(True))
+    return jax.lax.custom_linear_solve(lambda x: matrix @ x, right, by_factors(False), by_factors(True))
 
 
 def _by_factors(factors: Factors, right: Float[Array, "n *k"], transposed: bool):
@@ -148,9 +148,9 @@ def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     da, db = (w.T @ t @ w for t in tangents)
     change = da - mu[None, :] * db
     gap = mu[None, :] - mu[:, None]
-    apart = jnp.abs(gap) > EIGENVALUES_REPEATED * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
+    distinct = jnp.abs(gap) > EIGENVALUES_REPEATED * jnp.maximum(jnp.abs(mu)[None, :], jnp.abs(mu)[:, None])
     # Within a cluster only the norm of the vectors changes.
-    coefficients = jnp.where(apart, change / jnp.where(apart, gap, 1.0), -db / 2)
+    coefficients = jnp.where(distinct, change / jnp.where(distinct, gap, 1.0), -db / 2)
     return (mu, w), (diagonal_of(change), w @ coefficients)
 
 
@@ -167,8 +167,8 @@ def general_eigen(
     values, vectors = jax.lax.stop_gradient(jnp.linalg.eig(still))
     inverse = jnp.linalg.inv(vectors)
     conditions = jnp.linalg.norm(vectors, axis=0) * jnp.linalg.norm(inverse, axis=1)
-    apart = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < EIGENVECTORS_APART)
-    moved = jnp.where(apart, inverse, 0.0) @ (a - still).astype(complex)
+    distinct = jnp.isfinite(jnp.abs(inverse)) & (jnp.sum(jnp.abs(inverse), axis=1, keepdims=True) < EIGENVECTORS_APART)
+    moved = jnp.where(distinct, inverse, 0.0) @ (a - still).astype(complex)
     return values + jnp.sum(moved * vectors.T, axis=1), vectors, conditions
 
 
@@ -211,8 +211,8 @@ def leading(a: Float[Array, "n n"], b: Float[Array, "n n"], count: int):
         off = jnp.sqrt(jnp.sum((z - x * values)[:, :count] ** 2, axis=0))
         # The error of the wanted digits, plus round-off of the largest eigenvalue.
         allowed = EIGENVECTOR_DIGITS * jnp.abs(values[:count]) + 10 * jnp.finfo(a.dtype).eps * jnp.abs(values[0])
-        found = (values[:count], x[:, :count])
-        return jnp.linalg.qr(z)[0], found, jnp.max(off / allowed), tries + 1
+        eigenpairs = (values[:count], x[:, :count])
+        return jnp.linalg.qr(z)[0], eigenpairs, jnp.max(off / allowed), tries + 1
 
     first = jnp.linalg.qr(jnp.asarray(np.random.default_rng(0).standard_normal((n, block))))[0]
     start = (first, (jnp.zeros(count), jnp.zeros((n, count))), jnp.inf, 0)

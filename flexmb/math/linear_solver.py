@@ -8,10 +8,10 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from ..arguments import check_flag, shown
+from ..arguments import check_flag, short_repr
 from ..numerical_limits import ZERO_SINGULAR_VALUE
-from .element_matrices import ElementMatrices, Whole
-from .sparse import negative_where_held
+from .element_matrices import AssembledEquations, ElementMatrices
+from .sparse import negative_if_constrained
 
 
 class FactoredEquations(Protocol):
@@ -61,7 +61,7 @@ class SparseSolver:
 
     def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "SparseFactored":
         """See :class:`LinearSolver`."""
-        return SparseFactored(Whole(elements), mass, damping)
+        return SparseFactored(AssembledEquations(elements), mass, damping)
 
 
 class SparseFactored:
@@ -73,9 +73,9 @@ class SparseFactored:
         regular: Whether they can be trusted.
     """
 
-    def __init__(self, whole: Whole, mass: float, damping: float):
-        self.matrix, self._n = whole.at(mass, damping), whole.n
-        self.factors = whole.factors(self.matrix)
+    def __init__(self, assembled: AssembledEquations, mass: float, damping: float):
+        self.matrix, self._n = assembled.at(mass, damping), assembled.n
+        self.factors = assembled.factors(self.matrix)
         self.regular = self.factors.regular
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
@@ -84,7 +84,7 @@ class SparseFactored:
 
     def negative(self) -> int | None:
         """See :class:`FactoredEquations`."""
-        return negative_where_held(self.matrix, self.factors, self._n)
+        return negative_if_constrained(self.matrix, self.factors, self._n)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,8 +93,8 @@ class DenseSolver:
 
     def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "DenseFactored":
         """See :class:`LinearSolver`."""
-        whole = Whole(elements)
-        return DenseFactored(whole.at(mass, damping).toarray(), whole.n, elements.sizes[elements.free])
+        assembled = AssembledEquations(elements)
+        return DenseFactored(assembled.at(mass, damping).toarray(), assembled.n, elements.sizes[elements.free])
 
 
 class DenseFactored:
@@ -109,10 +109,10 @@ class DenseFactored:
         self._n, self._sizes, self._a = n, sizes, (scaled[:, None] * matrix * scaled)[:n, :n]
         rows = matrix[n:, :n] * sizes
         self._scale = 1 / np.maximum(np.max(np.abs(rows), axis=1, initial=0.0), np.finfo(float).tiny)
-        left, values, right = np.linalg.svd(rows * self._scale[:, None], full_matrices=True)
+        left_vectors, values, right_vectors = np.linalg.svd(rows * self._scale[:, None], full_matrices=True)
         rank = int(np.sum(values > ZERO_SINGULAR_VALUE * np.max(values, initial=0.0)))
-        self._inverse = right[:rank].T @ (left[:, :rank].T / values[:rank, None])
-        self._allowed = right[rank:].T
+        self._inverse = right_vectors[:rank].T @ (left_vectors[:, :rank].T / values[:rank, None])
+        self._allowed = right_vectors[rank:].T
         self._reduced = self._allowed.T @ self._a @ self._allowed
         pivots = np.linalg.svd(self._reduced, compute_uv=False)
         some = pivots.size == 0 or bool(np.all(np.isfinite(pivots)) and pivots[-1] > ZERO_SINGULAR_VALUE * pivots[0])
@@ -155,14 +155,14 @@ def asked_solver(sparse: Any, solver: Any) -> LinearSolver | None:
         return by_flag
     if isinstance(solver, str):
         if solver not in ("sparse", "dense"):
-            raise ValueError(f'Argument `solver` must be "sparse" or "dense", but is {shown(solver)}.')
-        found: Any = SPARSE if solver == "sparse" else DENSE
+            raise ValueError(f'Argument `solver` must be "sparse" or "dense", but is {short_repr(solver)}.')
+        chosen: Any = SPARSE if solver == "sparse" else DENSE
     elif isinstance(solver, LinearSolver):
-        found = solver
+        chosen = solver
     else:
-        raise TypeError(f'Argument `solver` must be "sparse", "dense" or a LinearSolver, but is {shown(solver)}.')
-    if sparse is not None and bool(sparse) != (found != DENSE):
+        raise TypeError(f'Argument `solver` must be "sparse", "dense" or a LinearSolver, but is {short_repr(solver)}.')
+    if sparse is not None and bool(sparse) != (chosen != DENSE):
         raise ValueError(
             f"Arguments `solver` and `sparse` contradict each other: sparse={sparse}. Give `solver` alone."
         )
-    return found
+    return chosen

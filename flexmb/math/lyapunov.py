@@ -24,8 +24,8 @@ def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "
         def column(i: Array, y: Complex[Array, "s n n"]):
             j = i if adjoint else n - 1 - i
             known = right[:, :, j] - y @ around[:, j]
-            found = jax.lax.linalg.triangular_solve(own + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
-            return y.at[:, :, j].set(found.T)
+            y_j = jax.lax.linalg.triangular_solve(own + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
+            return y.at[:, :, j].set(y_j.T)
 
         y = jax.lax.fori_loop(0, n, column, jnp.zeros_like(right))
         return jnp.real(u @ y @ u.conj().T)

@@ -28,18 +28,18 @@ def _spectral_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
     matrix, *arguments = primals
     change, *others = tangents
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
-    values, by_arguments = jax.jvp(lambda *own: function(mu, *own), tuple(arguments), tuple(others))
+    values, by_arguments = jax.jvp(lambda *values: function(mu, *values), tuple(arguments), tuple(others))
     moved = divided(function, mu, *arguments) * (u.T @ change @ u)
     return (u * values) @ u.T, u @ (moved + by_arguments * np.eye(len(mu))) @ u.T
 
 
 def divided(function: Callable[..., Any], mu: Float[Array, "n"], *arguments: Any) -> Float[Array, "n n"]:
     """Divided differences (f_i - f_j)/(mu_i - mu_j); the mean slope for eigenvalues close together."""
-    values, slopes = jax.jvp(lambda own: function(own, *arguments), (mu,), (jnp.ones_like(mu),))
+    values, slopes = jax.jvp(lambda eigenvalues: function(eigenvalues, *arguments), (mu,), (jnp.ones_like(mu),))
     gap = mu[:, None] - mu[None, :]
-    apart = jnp.abs(gap) > EIGENVALUES_ALIKE * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
-    quotient = (values[:, None] - values[None, :]) / jnp.where(apart, gap, 1.0)
-    return jnp.where(apart, quotient, (slopes[:, None] + slopes[None, :]) / 2)
+    distinct = jnp.abs(gap) > EIGENVALUES_ALIKE * jnp.maximum(jnp.abs(mu)[:, None], jnp.abs(mu)[None, :])
+    quotient = (values[:, None] - values[None, :]) / jnp.where(distinct, gap, 1.0)
+    return jnp.where(distinct, quotient, (slopes[:, None] + slopes[None, :]) / 2)
 
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -65,7 +65,7 @@ def _harmonic_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
     matrix, middle, *arguments = primals
     change, moved, *others = tangents
     mu, u = pencil(matrix, jnp.eye(matrix.shape[0]))
-    p, by_arguments = jax.jvp(lambda *own: function(mu, *own), tuple(arguments), tuple(others))
+    p, by_arguments = jax.jvp(lambda *values: function(mu, *values), tuple(arguments), tuple(others))
     n, dn = (u.T @ matrix @ u for matrix in (middle, moved))
     dp = divided(function, mu, *arguments) * (u.T @ change @ u) + by_arguments * np.eye(len(mu))
     total = p[:, None] + p[None, :]

@@ -45,8 +45,8 @@ def _tables(count: int) -> tuple[np.ndarray, np.ndarray]:
 def _functions(z: Float[Array, "n 1"], count: int, derivatives: int) -> Float[Array, "n count"]:
     """Functions at z <= 0; the derivatives of all but two for each of them follow from their values."""
     series, _ = _tables(count)
-    near = z > -SWITCH
-    small, large = jnp.where(near, z, 0.0), jnp.where(near, -SWITCH, z)
+    is_small = z > -SWITCH
+    small, large = jnp.where(is_small, z, 0.0), jnp.where(is_small, -SWITCH, z)
     powers = jnp.concatenate([jnp.ones_like(z), small], axis=1)
     for power in (2, 4, 8):
         powers = jnp.concatenate([powers, powers * small**power], axis=1)
@@ -54,7 +54,7 @@ def _functions(z: Float[Array, "n 1"], count: int, derivatives: int) -> Float[Ar
     beyond = [jnp.cos(angle), jnp.sin(angle) / angle]
     for j in range(count - 2):
         beyond.append((beyond[j] - 1 / math.factorial(j)) / large)
-    return jnp.where(near, powers @ series, jnp.concatenate(beyond, axis=1))
+    return jnp.where(is_small, powers @ series, jnp.concatenate(beyond, axis=1))
 
 
 @_functions.defjvp

@@ -58,7 +58,7 @@ def _polar_angle_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     return polar_angle(vector), vector @ QUARTER @ change / (vector @ vector)
 
 
-def counted(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
+def nearest_turn(angle: Float[Array, ""], near: Float[Array, ""], turn: float = 2 * np.pi) -> Float[Array, ""]:
     """Angle plus the number of turns that brings it nearest to another angle; the number has no derivative."""
     return angle + turn * jnp.round((near - angle) / turn)
 

@@ -99,7 +99,7 @@ def rotate(rotation: Float[ArrayLike, "4"], vector: Float[ArrayLike, "3"]) -> Fl
     return to_matrix(rotation) @ as_reals("Argument `vector`", vector)
 
 
-def product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
+def quaternion_product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4"]) -> Float[Array, "4"]:
     """Euler parameters of two successive rotations about global axes: ``first``, then ``second``.
 
     Args:

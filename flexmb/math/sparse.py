@@ -73,8 +73,8 @@ class SparsePattern:
     def entries(self, pieces: Sequence[Any]) -> np.ndarray:
         """Stored entries of the sum of element matrices, (elements, r, c) in the order of ``places``."""
         flat = [np.asarray(matrices).ravel() for matrices in pieces]
-        given: Any = np.concatenate(flat) if flat else np.zeros(0)
-        parts = (given.real, given.imag) if np.iscomplexobj(given) else (given,)
+        values: Any = np.concatenate(flat) if flat else np.zeros(0)
+        parts = (values.real, values.imag) if np.iscomplexobj(values) else (values,)
         real, *imag = (np.bincount(self.slots, part, len(self.rows) + 1)[: len(self.rows)] for part in parts)
         return real + 1j * imag[0] if imag else real
 
@@ -121,8 +121,8 @@ class SparsePattern:
             numbered.sort_indices()
             places = [numbered.data - 1, numbered.indices, numbered.indptr]
             self._places = ordering, *places
-        taken, rows, columns = places
-        return scipy.sparse.csc_array((matrix.data[taken], rows, columns), shape=self.size)
+        order, rows, columns = places
+        return scipy.sparse.csc_array((matrix.data[order], rows, columns), shape=self.size)
 
 
 class SparseFactors:
@@ -241,28 +241,28 @@ class SparseFactors:
 
     def solve(self, right: np.ndarray, transposed: bool = False) -> np.ndarray:
         """Solution of A z = right, or A^T z = right, (n,) or (n, cases), with one step of refinement."""
-        found, fits = self.answer(right, transposed)
-        return found if fits or not self._change_rows() else self.solve(right, transposed)
+        solution, fits = self.answer(right, transposed)
+        return solution if fits or not self._change_rows() else self.solve(right, transposed)
 
     def answer(self, right: np.ndarray, transposed: bool = False, refine: bool = True) -> tuple[np.ndarray, bool]:
         """As :meth:`solve`, without new factors, and whether the solution fits; ``refine`` doubles the time."""
         right = np.asarray(right)
         scale = self._scale if right.ndim == 1 else self._scale[:, None]
         matrix, way = (self._matrix.T, "T") if transposed else (self._matrix, "N")
-        wanted = scale * (right if self._order is None else right[self._order])
-        z = self._factors.solve(wanted, way)
-        rest = wanted - matrix @ z
+        right_side = scale * (right if self._order is None else right[self._order])
+        z = self._factors.solve(right_side, way)
+        residual = right_side - matrix @ z
         if refine:
-            z = z + self._factors.solve(rest, way)
-            rest = wanted - matrix @ z
-        left = np.max(np.abs(rest), initial=0.0)
-        beside = np.max(np.abs(z), initial=0.0) + np.max(np.abs(wanted), initial=0.0)
+            z = z + self._factors.solve(residual, way)
+            residual = right_side - matrix @ z
+        largest_residual = np.max(np.abs(residual), initial=0.0)
+        beside = np.max(np.abs(z), initial=0.0) + np.max(np.abs(right_side), initial=0.0)
         z = scale * z
         if self._order is not None:
             unordered = np.empty_like(z)
             unordered[self._order] = z
             z = unordered
-        return z, bool(left <= BACKWARD_ERROR * beside)
+        return z, bool(largest_residual <= BACKWARD_ERROR * beside)
 
 
 def unresisted(tangent: Any, n: int) -> np.ndarray | None:
@@ -308,16 +308,16 @@ def equilibrating(matrix: Any, by_diagonal: bool = False) -> np.ndarray:
     coordinates = matrix.tocoo()
     (rows, columns), sizes = coordinates.coords, np.abs(coordinates.data)
     diagonal = np.abs(matrix.diagonal()) if by_diagonal else np.zeros(matrix.shape[0])
-    kept = diagonal > 0
-    scale = 1 / np.sqrt(np.where(kept, diagonal, 1.0))
+    positive = diagonal > 0
+    scale = 1 / np.sqrt(np.where(positive, diagonal, 1.0))
     for _ in range(ROUNDS):
         largest = np.zeros(len(scale))
         np.maximum.at(largest, rows, sizes * scale[rows] * scale[columns])
-        scale = scale / np.sqrt(np.where((largest > 0) & ~kept, largest, 1.0))
+        scale = scale / np.sqrt(np.where((largest > 0) & ~positive, largest, 1.0))
     return scale
 
 
-def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | None:
+def negative_if_constrained(tangent: Any, factored: SparseFactors, n: int) -> int | None:
     """Number of negative eigenvalues of a symmetric K subject to D v = 0; None if pivots do not determine it.
 
     Args:
@@ -335,10 +335,10 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
     """
     import scipy.sparse
 
-    rest, order = tangent.shape[0] - n, factored.ordering
+    n_constraints, order = tangent.shape[0] - n, factored.ordering
     if factored.negative is not None:
-        return factored.negative - rest
-    if order is None or rest == 0:
+        return factored.negative - n_constraints
+    if order is None or n_constraints == 0:
         return None
     alike = scipy.sparse.diags_array(equilibrating(tangent, factored.by_diagonal))
     tangent = (alike @ tangent @ alike).tocsc()
@@ -351,4 +351,4 @@ def negative_where_held(tangent: Any, factored: SparseFactors, n: int) -> int | 
     constraint, columns = joined.coords
     np.maximum.at(place, n + constraint, place[columns] + 0.5)
     negative = SparseFactors(bordered, np.argsort(place, kind="stable"), on_diagonal=True).negative
-    return SparseFactors(stiffness + FIRM * stiff).negative if negative is None else negative - rest
+    return SparseFactors(stiffness + FIRM * stiff).negative if negative is None else negative - n_constraints

@@ -38,22 +38,25 @@ def null_spaces(matrix: Any) -> tuple[int, Any, Any]:
     if isinstance(matrix, np.ndarray):
         return _null_spaces([matrix])[0]
     parts, rows, columns = _parts(matrix)
-    found = _null_spaces([part.entries for part in parts])
-    left = [(part.rows, own) for part, (_, own, _) in zip(parts, found, strict=True)]
-    right = [(part.columns, own) for part, (_, _, own) in zip(parts, found, strict=True)]
+    decompositions = _null_spaces([part.entries for part in parts])
+    left_parts = [(part.rows, vectors) for part, (_, vectors, _) in zip(parts, decompositions, strict=True)]
+    right_parts = [(part.columns, vectors) for part, (_, _, vectors) in zip(parts, decompositions, strict=True)]
     m, n = matrix.shape
-    return sum(rank for rank, _, _ in found), _beside(left, m, rows), _beside(right, n, columns)
+    return sum(rank for rank, _, _ in decompositions), _beside(left_parts, m, rows), _beside(right_parts, n, columns)
 
 
 def _null_spaces(matrices: list[np.ndarray]) -> list[tuple[int, np.ndarray, np.ndarray]]:
     """Rank and null spaces of matrices that are parts of one; its largest singular value sets the tolerance."""
-    found = [
-        np.linalg.svd(own) if own.size else (np.eye(own.shape[0]), np.zeros(0), np.eye(own.shape[1]))
-        for own in matrices
+    decompositions = [
+        np.linalg.svd(matrix) if matrix.size else (np.eye(matrix.shape[0]), np.zeros(0), np.eye(matrix.shape[1]))
+        for matrix in matrices
     ]
-    least = RANK_TOLERANCE * max((values[0] for _, values, _ in found if values.size), default=0.0)
-    ranks = [int(np.sum(values > least)) for _, values, _ in found]
-    return [(rank, left[:, rank:], right[rank:].T) for rank, (left, _, right) in zip(ranks, found, strict=True)]
+    least = RANK_TOLERANCE * max((values[0] for _, values, _ in decompositions if values.size), default=0.0)
+    ranks = [int(np.sum(values > least)) for _, values, _ in decompositions]
+    return [
+        (rank, left_vectors[:, rank:], right_vectors[rank:].T)
+        for rank, (left_vectors, _, right_vectors) in zip(ranks, decompositions, strict=True)
+    ]
 
 
 @one_thread()
@@ -67,48 +70,48 @@ def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[li
         return chosen, np.eye(candidates.shape[1]) - directions.T @ directions
     import scipy.sparse
 
-    chosen, taken, sizes = [], [], []
+    chosen, span_parts, sizes = [], [], []
     for part in _parts(candidates)[0]:
-        own, directions, left = _pivoted(part.entries, wanted, threshold)
-        chosen += part.rows[own].tolist()
-        sizes += left
-        taken += [(part.columns, direction[:, None]) for direction in directions]
+        row_indices, directions, residuals = _pivoted(part.entries, wanted, threshold)
+        chosen += part.rows[row_indices].tolist()
+        sizes += residuals
+        span_parts += [(part.columns, direction[:, None]) for direction in directions]
     # Rows of different parts are independent of each other.
     best = np.argsort(-np.array(sizes), kind="stable")[: max(wanted, 0)]
     n = candidates.shape[1]
-    span = _beside([taken[i] for i in best], n)
+    span = _beside([span_parts[i] for i in best], n)
     return [chosen[i] for i in best], (scipy.sparse.eye_array(n) - span @ span.T).tocsr()
 
 
-def _pivoted(candidates: np.ndarray, wanted: int, threshold: float) -> tuple[list[int], np.ndarray, list[float]]:
+def _pivoted(candidates: np.ndarray, max_count: int, threshold: float) -> tuple[list[int], np.ndarray, list[float]]:
     """Indices of chosen rows, the unit directions that they add, as rows, and the sizes of these additions."""
-    rest = np.array(candidates, float)
-    count = max(min(wanted, *rest.shape), 0)
-    directions = np.zeros((count, rest.shape[1]))
+    residual = np.array(candidates, float)
+    count = max(min(max_count, *residual.shape), 0)
+    directions = np.zeros((count, residual.shape[1]))
     chosen: list[int] = []
     sizes: list[float] = []
     # Chosen directions are removed from all rows, several at once; meanwhile only the squares of the rows follow.
-    first, squares = 0, np.sum(rest**2, axis=1)
+    first, squares = 0, np.sum(residual**2, axis=1)
     before = np.max(squares, initial=0.0)
     while len(chosen) < count:
         largest = np.max(squares)
         if first < len(chosen) and (largest < REPROJECTED * before or len(chosen) - first == DIRECTIONS_AT_ONCE):
-            own = directions[first : len(chosen)]
-            rest -= (rest @ own.T) @ own
-            rest[chosen] = 0.0
-            first, squares = len(chosen), np.sum(rest**2, axis=1)
+            recent = directions[first : len(chosen)]
+            residual -= (residual @ recent.T) @ recent
+            residual[chosen] = 0.0
+            first, squares = len(chosen), np.sum(residual**2, axis=1)
             before = largest = np.max(squares)
         # Of equal rows choose the first, so that round-off does not decide.
         best = int(np.argmax(squares > EQUAL_ROWS**2 * largest))
-        own = directions[first : len(chosen)]
-        direction = rest[best] - (rest[best] @ own.T) @ own
+        recent = directions[first : len(chosen)]
+        direction = residual[best] - (residual[best] @ recent.T) @ recent
         size = float(np.linalg.norm(direction))
         if size <= threshold:
             break
         directions[len(chosen)] = direction = direction / size
         chosen.append(best)
         sizes.append(size)
-        squares = np.maximum(squares - (rest @ direction) ** 2, 0.0)
+        squares = np.maximum(squares - (residual @ direction) ** 2, 0.0)
         squares[chosen] = 0.0
     return chosen, directions[: len(chosen)], sizes
 
@@ -124,8 +127,8 @@ def determines(matrix: Any) -> bool:
         return False
     # Error of a product and solution by the factors: a measure of singularity.
     v = uneven(matrix.shape[0])
-    found = factored.solve(matrix @ v)
-    return bool(np.max(np.abs(found - v)) < RANK_TOLERANCE)
+    solution = factored.solve(matrix @ v)
+    return bool(np.max(np.abs(solution - v)) < RANK_TOLERANCE)
 
 
 def row_sizes(matrix: Any) -> np.ndarray:
@@ -133,7 +136,7 @@ def row_sizes(matrix: Any) -> np.ndarray:
     return np.sqrt(np.asarray((matrix * matrix).sum(axis=1)))
 
 
-def spread(matrix: Any, rows: np.ndarray, size: int) -> Any:
+def scattered_rows(matrix: Any, rows: np.ndarray, size: int) -> Any:
     """A dense or sparse matrix with its rows among rows of zeros, (size, n)."""
     if isinstance(matrix, np.ndarray):
         full = np.zeros((size, matrix.shape[1]))
@@ -141,8 +144,10 @@ def spread(matrix: Any, rows: np.ndarray, size: int) -> Any:
         return full
     import scipy.sparse
 
-    own = matrix.tocoo()
-    return scipy.sparse.csr_array((own.data, (rows[own.coords[0]], own.coords[1])), shape=(size, matrix.shape[1]))
+    entries = matrix.tocoo()
+    return scipy.sparse.csr_array(
+        (entries.data, (rows[entries.coords[0]], entries.coords[1])), shape=(size, matrix.shape[1])
+    )
 
 
 def above(*matrices: Any) -> Any:
@@ -176,8 +181,8 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
     count, labels = connected_components(graph, directed=False)
     members = _split(np.arange(len(labels)), labels, count)
     place = np.empty(len(labels), int)
-    for own in members:
-        place[own] = np.arange(len(own))
+    for block in members:
+        place[block] = np.arange(len(block))
     of_row = np.bincount(labels[:m], minlength=count)
     parts = []
     for part, entries in zip(members, _split(np.arange(len(rows)), labels[rows], count), strict=True):
@@ -191,17 +196,17 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
                 f" remaining motions: {MOST_CONNECTED} at most. Leave that out with build(check=False): sparse"
                 " solvers need no degrees of freedom.",
             )
-        own = np.zeros((m_own, len(part) - m_own))
-        own[place[rows[entries]], place[m + columns[entries]] - m_own] = matrix.data[entries]
-        parts.append(_Together(part[:m_own], part[m_own:] - m, own))
-    lonely = np.concatenate([own for own in members if len(own) == 1] or [np.zeros(0, int)])
+        block = np.zeros((m_own, len(part) - m_own))
+        block[place[rows[entries]], place[m + columns[entries]] - m_own] = matrix.data[entries]
+        parts.append(_Together(part[:m_own], part[m_own:] - m, block))
+    lonely = np.concatenate([block for block in members if len(block) == 1] or [np.zeros(0, int)])
     return parts, lonely[lonely < m], lonely[lonely >= m] - m
 
 
-def _split(things: np.ndarray, labels: np.ndarray, count: int) -> list[np.ndarray]:
+def _split(items: np.ndarray, labels: np.ndarray, count: int) -> list[np.ndarray]:
     """Things of each label, in order."""
     order = np.argsort(labels, kind="stable")
-    return np.split(things[order], np.searchsorted(labels[order], np.arange(1, count)))
+    return np.split(items[order], np.searchsorted(labels[order], np.arange(1, count)))
 
 
 def _beside(blocks: list[tuple[np.ndarray, np.ndarray]], size: int, alone: Any = ()) -> Any:

@@ -13,7 +13,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
 from ..compilation.compile import as_primitives, jit, traced_once
-from ..compilation.kept import described
+from ..compilation.kept import as_nested_text
 from ..compilation.program import Captured, Code, captured, digest, split_together
 from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR, Element
@@ -63,25 +63,25 @@ def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
     """Parameters with :class:`Prepared` companions for blocks with strain series."""
     if parameters.prepared is not None:
         return parameters
-    found = []
+    prepared = []
     for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        found.append(None)
-        if block.element.series is None or not _of_package(block.element) or not _compiles():
+        prepared.append(None)
+        if block.element.series is None or not _is_of_package(block.element) or not _compiles():
             continue
         names = tuple(name for name in REPEATED if companion_of(block, properties, name)[0] is not None)
         if names:
             stacked = parameters.reference[block.x], with_rigidities(properties)
             leaves, structure = jax.tree.flatten(stacked)
             shapes = tuple((leaf.shape[1:], leaf.dtype) for leaf in leaves)
-            early, functions = _apart(
+            early, functions = _split_companions(
                 names, block.element, block.options, block.splits, block.e.shape[1], structure, shapes
             )
-            found[-1] = Prepared(functions, jax.vmap(early)(*stacked))
-    return dataclasses.replace(parameters, prepared=tuple(found)) if any(found) else parameters
+            prepared[-1] = Prepared(functions, jax.vmap(early)(*stacked))
+    return dataclasses.replace(parameters, prepared=tuple(prepared)) if any(prepared) else parameters
 
 
 @functools.lru_cache(256)
-def _apart(
+def _split_companions(
     names: tuple[str, ...],
     element: Element,
     options: tuple[tuple[str, object], ...],
@@ -91,7 +91,7 @@ def _apart(
     shapes: tuple[tuple[tuple[int, ...], Any], ...],
 ):
     """Companions of one element, split into what needs reference and properties alone, and the rest of each."""
-    ref, own = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
+    ref, element_properties = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
     x: Any = np.zeros((1, 0), int)
     e: Any = np.zeros((1, n_e), int)
     block = Block(element, names, options, x, e, splits)
@@ -99,26 +99,26 @@ def _apart(
     nodes = [jax.ShapeDtypeStruct((int(size),), ref.dtype) for size in sizes]
     varying: dict[str, tuple] = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
     varying |= dict.fromkeys(OF_NODES, (nodes,))
-    taken = [(_alone(block, own, name), varying.get(name, (ref,))) for name in names]
-    early, late = split_together(taken, (ref, own))
-    found = dict(zip(names, late, strict=True))
+    pairs = [(_alone(block, element_properties, name), varying.get(name, (ref,))) for name in names]
+    early, late = split_together(pairs, (ref, element_properties))
+    functions = dict(zip(names, late, strict=True))
     kinds = list(element.nodes.values())
     # Planar elements have too few operations to gain by stages.
     if all(kind.dimension == 3 for kind in kinds):
         is_inner = [kind.part not in ("position", "rotation") for kind in kinds]
-        numbers = jax.eval_shape(early, ref, own)
-        found |= {name: Staged(found[name], nodes, is_inner, numbers) for name in names if name in OF_NODES}
-    return early, tuple(found.items())
+        numbers = jax.eval_shape(early, ref, element_properties)
+        functions |= {name: Staged(functions[name], nodes, is_inner, numbers) for name in names if name in OF_NODES}
+    return early, tuple(functions.items())
 
 
 def _alone(block: Block, like: dict[str, Any], name: str):
     """A companion of one element as a function of its arguments, its reference and its properties."""
     # Unwrapped, since it is split operation by operation anyway.
     function: Any = inspect.unwrap(companion_of(block, like, name)[0])
-    chosen = deforming if name == "deformation" else lambda block, own: own
+    chosen = deforming if name == "deformation" else lambda block, element_properties: element_properties
     if name == "stiffness":
-        return lambda ref, own: function(ref, ref, own)
-    return lambda x, ref, own: function(x, ref, chosen(block, own))
+        return lambda ref, element_properties: function(ref, ref, element_properties)
+    return lambda x, ref, element_properties: function(x, ref, chosen(block, element_properties))
 
 
 def element_function(block: Block, companion: Callable[..., Any] | None, properties: dict[str, Any]):
@@ -138,10 +138,10 @@ def element_function(block: Block, companion: Callable[..., Any] | None, propert
     takes_nothing = companion in (element.stiffness, element.damping)
     takes_all = companion in [getattr(element, name) for name in (*NONLINEAR, "surface", "thermal")]
 
-    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
-        named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **own}) or {}
-        taken = () if takes_nothing else x if takes_all or isinstance(x, list) else jnp.split(x, block.splits)
-        return companion(*taken, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
+    def function(x: Any, ref: Float[Array, "c"], element_properties: dict[str, Any], **extra: Any):
+        named: dict[str, Any] = element.arguments(companion, {**dict(block.options), **element_properties}) or {}
+        coordinates = () if takes_nothing else x if takes_all or isinstance(x, list) else jnp.split(x, block.splits)
+        return companion(*coordinates, ref=element.reference(jnp.split(ref, block.splits)), **named, **extra)
 
     return as_primitives(function)
 
@@ -150,24 +150,24 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
     """Blocks with a companion: block, function of one element, stacked reference coordinates, stacked properties."""
     known = parameters.prepared or [None] * len(topology.blocks)
     for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
-        rest = dict(prepared.functions).get(companion) if prepared else None
-        if prepared and rest:
-            yield block, _called(rest, companion, block.splits), parameters.reference[block.x], prepared.numbers
+        late = dict(prepared.functions).get(companion) if prepared else None
+        if prepared and late:
+            yield block, _called(late, companion, block.splits), parameters.reference[block.x], prepared.numbers
             continue
         function, properties = companion_of(block, properties, companion)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
 
 
-def _called(rest: Callable[..., Any], companion: str, splits: tuple[int, ...]):
+def _called(late: Callable[..., Any], companion: str, splits: tuple[int, ...]):
     """The remaining part of a companion, with the signature of the companion."""
-    if isinstance(rest, Staged):
-        return rest
+    if isinstance(late, Staged):
+        return late
 
     def function(x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]):
         if companion in OF_NODES:
             x = x if isinstance(x, list) else jnp.split(x, splits)
-        return rest(*numbers) if companion == "stiffness" else rest(x, *numbers)
+        return late(*numbers) if companion == "stiffness" else late(x, *numbers)
 
     return function
 
@@ -181,10 +181,14 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
         function = _damped(element_function(block, block.element.stiffness, properties))
     else:
         function = element_function(block, getattr(block.element, companion), properties)
-    then = dict(block.meaning or ()).get(companion)
-    if isinstance(then, Code):
-        return _with_numbers(then, companion), properties
-    if then is not None and _compiles() and then != digest(_taken(block, companion, function, properties)):
+    meaning = dict(block.meaning or ()).get(companion)
+    if isinstance(meaning, Code):
+        return _with_numbers(meaning, companion), properties
+    if (
+        meaning is not None
+        and _compiles()
+        and meaning != digest(_element_program(block, companion, function, properties))
+    ):
         raise ModelError(
             f"Element type '{block.element.name}': its {companion} uses a number that has changed since the model was"
             " built. Build the model again, or make the number a property of the element."
@@ -195,8 +199,8 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
 def _damped(stiffness: Any):
     """Damping of one element by its material, THEORY.md 2, eq. (2.41)."""
 
-    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
-        return own["damping"].time * stiffness(x, ref, own, **extra)
+    def function(x: Any, ref: Float[Array, "c"], element_properties: dict[str, Any], **extra: Any):
+        return element_properties["damping"].time * stiffness(x, ref, element_properties, **extra)
 
     return function
 
@@ -217,37 +221,37 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
 
     Traced numbers that such a function refers to become properties, so that derivatives and batches pass through.
     """
-    if _of_package(block.element) or not _compiles():
+    if _is_of_package(block.element) or not _compiles():
         return block, properties
-    found: list[tuple[str, Any]] = []
+    meanings: list[tuple[str, Any]] = []
     numbers = {}
     for companion in block.companions:
-        function, own = companion_of(block, properties, companion)
-        taken = _taken(block, companion, function, own)
-        traced = not is_concrete(taken.numbers)
-        found.append((companion, taken.code if traced else digest(taken)))
+        function, element_properties = companion_of(block, properties, companion)
+        program = _element_program(block, companion, function, element_properties)
+        traced = not is_concrete(program.numbers)
+        meanings.append((companion, program.code if traced else digest(program)))
         if traced:
             count = block.e.shape[0]
-            numbers[NUMBERS + companion] = [jnp.broadcast_to(n, (count, *jnp.shape(n))) for n in taken.numbers]
-    return dataclasses.replace(block, meaning=tuple(found)), {**properties, **numbers}
+            numbers[NUMBERS + companion] = [jnp.broadcast_to(n, (count, *jnp.shape(n))) for n in program.numbers]
+    return dataclasses.replace(block, meaning=tuple(meanings)), {**properties, **numbers}
 
 
 def _with_numbers(code: Code, companion: str):
     """A function of one element that takes captured numbers from its properties."""
 
-    def function(x: Any, ref: Float[Array, "c"], own: dict[str, Any], **extra: Any):
-        known = {name: value for name, value in own.items() if not name.startswith(NUMBERS)}
+    def function(x: Any, ref: Float[Array, "c"], element_properties: dict[str, Any], **extra: Any):
+        known = {name: value for name, value in element_properties.items() if not name.startswith(NUMBERS)}
         x = jnp.concatenate(x) if isinstance(x, list) else x
-        return Captured(code, tuple(own[NUMBERS + companion]))(x, ref, known, extra)
+        return Captured(code, tuple(element_properties[NUMBERS + companion]))(x, ref, known, extra)
 
     return function
 
 
 @functools.lru_cache(1000)
-def _of_package(element: Element) -> bool:
+def _is_of_package(element: Element) -> bool:
     """Whether an element uses functions of the package alone."""
     try:
-        described(element)
+        as_nested_text(element)
     except (TypeError, ValueError, AttributeError, RecursionError):
         return False
     return True
@@ -259,20 +263,26 @@ def _compiles() -> bool:
     return not config.jax_disable_jit
 
 
-def _taken(block: Block, companion: str, function: Any, properties: dict[str, Any]) -> Captured:
+def _element_program(block: Block, companion: str, function: Any, properties: dict[str, Any]) -> Captured:
     """A function of one element as a program and its captured numbers."""
     n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
     e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
-    own = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
+    element_properties = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
     heat = tuple(jax.ShapeDtypeStruct((k,), float) for k in heat_sizes(block.element))
     own_arguments = {"energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}
-    taken: Any = own_arguments.get(companion, coordinates)
+    arguments: Any = own_arguments.get(companion, coordinates)
     wrench = jax.ShapeDtypeStruct((6,), float)
     along = {"resultants": {"place": place, "sigma": e}, "surface": {"place": place, "resultants": wrench}}
     extra: dict[str, Any] = dict(along.get(companion, {}))
     if companion == "deformation" and block.element.tracks_angle:
         extra["near"] = e
-    return captured(lambda x, ref, own, extra: function(x, ref, own, **extra), taken, coordinates, own, extra)
+    return captured(
+        lambda x, ref, element_properties, extra: function(x, ref, element_properties, **extra),
+        arguments,
+        coordinates,
+        element_properties,
+        extra,
+    )
 
 
 def heat_sizes(element: Element) -> tuple[int, ...]:
@@ -294,9 +304,9 @@ def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
     like = Rigidity(alpha=0.0)
 
     def numbers(section: Section):
-        own = section.rigidity()
-        own = own if own.expands else dataclasses.replace(own, alpha=0.0)
-        return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(own)])
+        rigidity = section.rigidity()
+        rigidity = rigidity if rigidity.expands else dataclasses.replace(rigidity, alpha=0.0)
+        return jnp.stack([jnp.asarray(number, float) for number in jax.tree.leaves(rigidity)])
 
     columns = jnp.concatenate([jax.vmap(numbers)(stack) for stack in stacks])
     return jax.tree.unflatten(jax.tree.structure(like), list(columns.T))
@@ -312,7 +322,7 @@ def scatter_matrices(
 ) -> list[Float[Array, "rows columns"]]:
     """Several matrices assembled from element matrices with the same places; see :func:`scatter_matrix`."""
     flat = [(rows[:, :, None] * size[1] + columns[:, None, :], matrices) for rows, columns, matrices in pieces]
-    return [whole.reshape(size) for whole in scatter_vectors(size[0] * size[1], flat, count)]
+    return [vector.reshape(size) for vector in scatter_vectors(size[0] * size[1], flat, count)]
 
 
 def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
@@ -325,8 +335,8 @@ def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], co
     if not pieces:
         return [jnp.zeros(size)] * count
     indices = jnp.concatenate([indices.reshape(-1) for indices, _ in pieces])
-    values = [jnp.concatenate([own[i].reshape(-1) for _, own in pieces]) for i in range(count)]
+    values = [jnp.concatenate([vectors[i].reshape(-1) for _, vectors in pieces]) for i in range(count)]
     if count == 1:
         return [accumulate(jnp.zeros(size), indices, values[0])]
-    whole = accumulate(jnp.zeros((size, count)), indices, jnp.stack(values, axis=1))
-    return [whole[:, i] for i in range(count)]
+    assembled = accumulate(jnp.zeros((size, count)), indices, jnp.stack(values, axis=1))
+    return [assembled[:, i] for i in range(count)]

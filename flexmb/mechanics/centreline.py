@@ -24,16 +24,19 @@ def curves_of(
     if block.element.shape is not None:
         named = block.element.arguments(block.element.shape, {**options, **properties})
         if named is not None:
-            own = {name: value for name, value in properties.items() if name in named}
-            return np.asarray(_shapes(block, own, *jax.device_put((ref, at, places))))
-    points = parts_of(kinds, block.splits, at, "position")
+            named_properties = {name: value for name, value in properties.items() if name in named}
+            return np.asarray(_shapes(block, named_properties, *jax.device_put((ref, at, places))))
+    points = coordinates_of_kind(kinds, block.splits, at, "position")
     if not points:
         return np.zeros((len(index), 0, 0))
-    turns, before = (parts_of(kinds, block.splits, values, "rotation") for values in (at, ref))
+    turns, before = (coordinates_of_kind(kinds, block.splits, values, "rotation") for values in (at, ref))
     if len(points) == len(turns) == 2:
-        start, end = parts_of(kinds, block.splits, ref, "position")
+        start, end = coordinates_of_kind(kinds, block.splits, ref, "position")
         axis = end - start
-        slopes = [np.einsum("eij,ej->ei", turns_of(now, then), axis) for now, then in zip(turns, before, strict=True)]
+        slopes = [
+            np.einsum("eij,ej->ei", turns_of(turned, turned_before), axis)
+            for turned, turned_before in zip(turns, before, strict=True)
+        ]
         return cubic(points[0], slopes[0], points[1], slopes[1], places)
     return _polyline(np.stack(points, axis=1), places)
 
@@ -48,16 +51,18 @@ def _shapes(
 ) -> Float[Array, "elements places d"]:
     function: Any = element_function(block, block.element.shape, properties)
 
-    def along(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any]):
-        return jax.vmap(lambda place: function(x, ref, own, place=place))(places)
+    def along(x: Float[Array, "c"], ref: Float[Array, "c"], element_properties: dict[str, Any]):
+        return jax.vmap(lambda place: function(x, ref, element_properties, place=place))(places)
 
     return jax.vmap(along)(x, ref, properties)
 
 
-def parts_of(kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str) -> list[np.ndarray]:
+def coordinates_of_kind(
+    kinds: list[NodeKind], splits: tuple[int, ...], values: np.ndarray, part: str
+) -> list[np.ndarray]:
     """Coordinates of the nodes of one kind, an array (elements, size) for each."""
-    pieces = np.split(values, splits, axis=1)
-    return [piece for kind, piece in zip(kinds, pieces, strict=True) if kind.part == part]
+    slices = np.split(values, splits, axis=1)
+    return [piece for kind, piece in zip(kinds, slices, strict=True) if kind.part == part]
 
 
 def turns_of(now: np.ndarray, before: np.ndarray) -> Float[np.ndarray, "elements d d"]:

@@ -34,11 +34,11 @@ def deformation_functions(
             def tracked(
                 x: Float[Array, "c"],
                 ref: Float[Array, "c"],
-                own: Any,
+                element_properties: Any,
                 at: Float[Array, "n"],
                 function: Callable[..., Any] = function,
             ):
-                return function(x, ref, own, near=at)
+                return function(x, ref, element_properties, near=at)
 
             yield block, tracked, (ref, properties, at)
         else:
@@ -53,10 +53,10 @@ def deformations(
 
     ``near``: deformations at the last accepted state, so that angles count turns.
     """
-    pieces = []
+    element_deformations = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
-        pieces.append((block.e, jax.vmap(function)(x[block.x], *arguments)))
-    return scatter_vector(topology.n_e, pieces)
+        element_deformations.append((block.e, jax.vmap(function)(x[block.x], *arguments)))
+    return scatter_vector(topology.n_e, element_deformations)
 
 
 def jacobian_pieces(
@@ -91,8 +91,10 @@ def _jacobians(
 ):
     function: Any = companion_of(block, properties, "deformation")[0]
 
-    def with_value(x: Float[Array, "c"], ref: Float[Array, "c"], own: dict[str, Any], near: Float[Array, "n"]):
-        e = function(x, ref, own, **({"near": near} if block.element.tracks_angle else {}))
+    def with_value(
+        x: Float[Array, "c"], ref: Float[Array, "c"], element_properties: dict[str, Any], near: Float[Array, "n"]
+    ):
+        e = function(x, ref, element_properties, **({"near": near} if block.element.tracks_angle else {}))
         return e, e
 
     return jax.vmap(jax.jacfwd(with_value, has_aux=True))(x, ref, properties, near)
@@ -114,11 +116,14 @@ def _padded(rows: np.ndarray) -> np.ndarray:
 
 
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
-    """Deformations in the undeformed mechanism, which should vanish, and their derivatives; see :func:`on_host`."""
-    return on_host(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
+    """Deformations in the undeformed mechanism, which should vanish, and their derivatives; see"
+    " :func:`host_deformations`."""
+    return host_deformations(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
 
 
-def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np.ndarray) -> tuple[np.ndarray, Any]:
+def host_deformations(
+    topology: Topology, parameters: Parameters, at: np.ndarray, near: np.ndarray
+) -> tuple[np.ndarray, Any]:
     """Deformations of concrete coordinates and their derivatives, sparse above MANY coordinates.
 
     Compiles one program for each type of element and power of two of their number, whatever else the mechanism has.
@@ -128,31 +133,31 @@ def on_host(topology: Topology, parameters: Parameters, at: np.ndarray, near: np
         if "deformation" in block.companions and block.e.shape[1]:
             chosen = with_rigidities(in_undeformed(block, properties))
             fixed = tuple(block.element.of_deformation(dict(block.options)).items())
-            told = block.element.alone(), dict(block.meaning or ()).get("deformation")
+            law = block.element.alone(), dict(block.meaning or ()).get("deformation")
             shapes = tuple(np.shape(leaf)[1:] for leaf in jax.tree.leaves(chosen))
-            key = (told, fixed, jax.tree.structure(chosen), shapes, block.splits, block.e.shape[1])
+            key = (law, fixed, jax.tree.structure(chosen), shapes, block.splits, block.e.shape[1])
             alike.setdefault(key, []).append((np.asarray(block.x), np.asarray(block.e), chosen))
-    found, pieces = np.zeros(topology.n_e), []
+    values, element_matrices = np.zeros(topology.n_e), []
     for ((element, meaning), fixed, _, _, splits, _), members in alike.items():
         x, e, chosen = jax.tree.map(lambda *rows: _padded(np.concatenate(rows)), *members)
-        then = (("deformation", meaning),)
-        block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, then)
-        whole = _jacobians(block, chosen, at[x], np.asarray(parameters.reference)[x], near[e])
-        matrices, found[e] = map(np.asarray, whole)
-        count = sum(len(own) for own, _, _ in members)
-        pieces.append((e[:count, :, None], x[:count, None, :], matrices[:count]))
+        meanings = (("deformation", meaning),)
+        block = Block(element, ("deformation",), fixed, np.zeros_like(x), np.zeros_like(e), splits, meanings)
+        derivatives = _jacobians(block, chosen, at[x], np.asarray(parameters.reference)[x], near[e])
+        matrices, values[e] = map(np.asarray, derivatives)
+        count = sum(len(elements) for elements, _, _ in members)
+        element_matrices.append((e[:count, :, None], x[:count, None, :], matrices[:count]))
     if topology.n_x > MANY:
-        return found, _sparse(pieces, (topology.n_e, topology.n_x))
+        return values, _sparse(element_matrices, (topology.n_e, topology.n_x))
     jacobian = np.zeros((topology.n_e, topology.n_x))
-    for rows, columns, entries in pieces:
+    for rows, columns, entries in element_matrices:
         np.add.at(jacobian, (rows, columns), entries)
-    return found, jacobian
+    return values, jacobian
 
 
-def _sparse(pieces: list[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]) -> Any:
+def _sparse(element_matrices: list[tuple[np.ndarray, np.ndarray, np.ndarray]], shape: tuple[int, int]) -> Any:
     import scipy.sparse
 
-    flat = [[array.ravel() for array in np.broadcast_arrays(*piece)] for piece in pieces]
+    flat = [[array.ravel() for array in np.broadcast_arrays(*piece)] for piece in element_matrices]
     rows, columns, entries = (np.concatenate(side) for side in zip(*flat, strict=True))
     return scipy.sparse.coo_array((entries, (rows, columns)), shape=shape).tocsr()
 
@@ -165,11 +170,11 @@ def curvature_pieces(
     sigma: Float[Array, "n_e"],
 ) -> list[tuple[Array, Array, Array]]:
     """Second derivatives of each block for :func:`deformation_curvature`, with row and column indices."""
-    pieces = []
+    element_matrices = []
     for block, function, arguments in deformation_functions(topology, parameters, near):
         hessian = jax.vmap(curvature(function))(x[block.x], sigma[block.e], *arguments)
-        pieces.append((block.x, block.x, hessian))
-    return pieces
+        element_matrices.append((block.x, block.x, hessian))
+    return element_matrices
 
 
 @traced_once
@@ -184,11 +189,11 @@ def deformation_curvature(
 
     Multipliers of FIXED deformations and unit norms are included. Source: THEORY.md 6, eq. (6.3).
     """
-    pieces = curvature_pieces(topology, parameters, x, near, sigma)
-    return scatter_matrix((topology.n_x, topology.n_x), pieces)
+    element_matrices = curvature_pieces(topology, parameters, x, near, sigma)
+    return scatter_matrix((topology.n_x, topology.n_x), element_matrices)
 
 
-def zero_near(topology: Topology) -> Float[Array, "n_e"]:
+def zero_strain(topology: Topology) -> Float[Array, "n_e"]:
     """``near`` of the undeformed mechanism."""
     return jnp.zeros(topology.n_e)
 
@@ -233,9 +238,9 @@ def transfer(topology: Topology, jacobian: Float[Array, "n_e n_x"]) -> Transfer:
     Source: THEORY.md 4, eq. (4.3); tutorial WA 1239 (2012), ch. 1 and reference [10] there.
     """
     rows, dependent = topology.e.given, topology.x.dependent
-    held = jacobian[rows]
-    factors = factorise(held[:, dependent])
-    by_coordinates = -held[:, topology.x.dof]
+    constrained_rows = jacobian[rows]
+    factors = factorise(constrained_rows[:, dependent])
+    by_coordinates = -constrained_rows[:, topology.x.dof]
     n_held, n_dof = rows.shape[0], topology.e.dof.shape[0]
     by_deformations = jnp.eye(n_held, n_dof, k=-(n_held - n_dof)) if n_dof else jnp.zeros((n_held, 0))
     solved = factors.solve(jnp.concatenate([by_coordinates, by_deformations], axis=1))

@@ -16,7 +16,7 @@ def extent_of(topology: Topology, parameters: Parameters) -> float:
     return (float(np.max(np.ptp(points, axis=1))) if points.size else 0.0) or 1.0
 
 
-def sizes_of(topology: Topology, parameters: Parameters) -> Any:
+def coordinate_scales(topology: Topology, parameters: Parameters) -> Any:
     """Scales of all coordinates [m, -, 1/m]: the extent to the power of length in the unit of each coordinate.
 
     A displacement or an elongation of a beam with strain series counts as a share of the extent, a rotation in radians,

@@ -15,7 +15,7 @@ from .blocks import each_block, scatter_matrix, scatter_vector
 from .staged import derivative
 
 
-class Felt(NamedTuple):
+class InertialLoad(NamedTuple):
     """What acts on mass in a state.
 
     Attributes:
@@ -31,15 +31,20 @@ class Felt(NamedTuple):
 
 def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> list[tuple[Array, Array, Array]]:
     """Mass matrices of each block, with row and column indices."""
-    pieces = []
+    element_matrices = []
     for block, function, ref, properties in each_block(topology, parameters, "inertia"):
 
-        def matrix(x: Float[Array, "c"], ref: Float[Array, "c"], own: Any, function: Callable[..., Any] = function):
-            (j, _), (_, h) = derivative(function)(x, ref, own)
+        def matrix(
+            x: Float[Array, "c"],
+            ref: Float[Array, "c"],
+            element_properties: Any,
+            function: Callable[..., Any] = function,
+        ):
+            (j, _), (_, h) = derivative(function)(x, ref, element_properties)
             return jnp.einsum("akc,ab,bkd->cd", j, h, j)
 
-        pieces.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
-    return pieces
+        element_matrices.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
+    return element_matrices
 
 
 @traced_once
@@ -59,10 +64,10 @@ def kinetic_energy(
             x: Float[Array, "c"],
             v: Float[Array, "c"],
             ref: Float[Array, "c"],
-            own: Any,
+            element_properties: Any,
             function: Callable[..., Any] = function,
         ):
-            _, rate, h = jax.jvp(lambda x: function(x, ref, own), (x,), (v,), has_aux=True)
+            _, rate, h = jax.jvp(lambda x: function(x, ref, element_properties), (x,), (v,), has_aux=True)
             return 0.5 * jnp.einsum("ak,ab,bk->", rate, h, rate)
 
         total = total + jnp.sum(jax.vmap(energy)(x[block.x], v[block.x], ref, properties))
@@ -83,7 +88,7 @@ def total_mass(topology: Topology, parameters: Parameters) -> Float[Array, ""]:
 
 def fall(
     topology: Topology,
-    felt: Felt,
+    felt: InertialLoad,
     x: Float[Array, "n_x"],
     block: Block,
     function: Callable[..., Any],
@@ -94,21 +99,23 @@ def fall(
 
     Gravity acts as a uniform acceleration; s_ddot = J a + (dJ/dt) v.
     """
-    falling = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
-    along = [None if rate is None else rate[block.x] for rate in (falling, felt.v, felt.a)]
+    free_fall = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
+    along = [None if rate is None else rate[block.x] for rate in (free_fall, felt.v, felt.a)]
     if all(rate is None for rate in along):
         return None
 
-    def one(x: Float[Array, "c"], along: list[Float[Array, "c"] | None], ref: Float[Array, "c"], own: Any):
-        falling, v, a = along
+    def element_fall(
+        x: Float[Array, "c"], along: list[Float[Array, "c"] | None], ref: Float[Array, "c"], element_properties: Any
+    ):
+        free_fall, v, a = along
 
         def rate(x: Float[Array, "c"], v: Float[Array, "c"]):
-            return jax.jvp(lambda x: function(x, ref, own)[0], (x,), (v,))[1]
+            return jax.jvp(lambda x: function(x, ref, element_properties)[0], (x,), (v,))[1]
 
-        total: Any = 0.0 if falling is None else rate(x, falling)
+        total: Any = 0.0 if free_fall is None else rate(x, free_fall)
         return total if v is None else total - jax.jvp(rate, (x, v), (v, a))[1]
 
-    return jax.vmap(one)(x[block.x], along, ref, properties)
+    return jax.vmap(element_fall)(x[block.x], along, ref, properties)
 
 
 def _weight_potential(topology: Topology, parameters: Parameters, gravity: Float[Array, "axes"]):
@@ -121,14 +128,14 @@ def _weight_potential(topology: Topology, parameters: Parameters, gravity: Float
             at: Float[Array, "c"],
             along: Float[Array, "c"],
             ref: Float[Array, "c"],
-            own: Any,
+            element_properties: Any,
             function: Callable[..., Any] = function,
         ):
             def vectors(x: Float[Array, "c"]):
-                return function(x, ref, own)
+                return function(x, ref, element_properties)
 
-            _, falling, h = jax.jvp(vectors, (at,), (along,), has_aux=True)
-            return jnp.einsum("ak,ab,bk->", vectors(x)[0], h, falling)
+            _, rate, h = jax.jvp(vectors, (at,), (along,), has_aux=True)
+            return jnp.einsum("ak,ab,bk->", vectors(x)[0], h, rate)
 
         yield block, work, (motion[block.x], ref, properties)
 
@@ -158,22 +165,22 @@ def weight(
 
     A uniform field acts as the inertia of a uniform acceleration, and translation does not change kinetic energy.
     """
-    pieces = []
+    element_forces = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
         at = x[block.x]
-        pieces.append((block.x, jax.vmap(jax.grad(work))(at, at, *arguments)))
-    return scatter_vector(topology.n_x, pieces)
+        element_forces.append((block.x, jax.vmap(jax.grad(work))(at, at, *arguments)))
+    return scatter_vector(topology.n_x, element_forces)
 
 
 def weight_pieces(
     topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
 ) -> list[tuple[Array, Array, Array]]:
     """Derivatives of the weight of each block, with row and column indices."""
-    pieces = []
+    element_matrices = []
     for block, work, arguments in _weight_potential(topology, parameters, gravity):
         at = x[block.x]
-        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(jax.grad(work)))(at, at, *arguments)))
-    return pieces
+        element_matrices.append((block.x, block.x, jax.vmap(jax.jacfwd(jax.grad(work)))(at, at, *arguments)))
+    return element_matrices
 
 
 @traced_once

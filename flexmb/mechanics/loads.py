@@ -87,11 +87,11 @@ def _load_elements(topology: Topology, parameters: Parameters, factors: LoadFact
         def scaled(
             x: Float[Array, "c"],
             ref: Float[Array, "c"],
-            own: Any,
+            element_properties: Any,
             function: Callable[..., Any] = function,
             factor: Float[Array, ""] | float = factor,
         ):
-            return factor * function(x, ref, own)
+            return factor * function(x, ref, element_properties)
 
         yield block, scaled, (ref, properties)
 
@@ -104,20 +104,20 @@ def nodal_forces(
     force = jnp.zeros(topology.n_x) if loads.force is None else loads.force
     if loads.gravity is not None:
         force = force + weight(topology, parameters, x, loads.gravity)
-    pieces = []
+    element_forces = []
     for block, function, arguments in _load_elements(topology, parameters, factors):
-        pieces.append((block.x, jax.vmap(function)(x[block.x], *arguments)))
-    return force + scatter_vector(topology.n_x, pieces) if pieces else force
+        element_forces.append((block.x, jax.vmap(function)(x[block.x], *arguments)))
+    return force + scatter_vector(topology.n_x, element_forces) if element_forces else force
 
 
 def load_pieces(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> list[tuple[Array, Array, Array]]:
     """Derivatives of the forces of each block's load elements, with row and column indices."""
-    pieces = []
+    element_matrices = []
     for block, function, arguments in _load_elements(topology, parameters, factors):
-        pieces.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
-    return pieces
+        element_matrices.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
+    return element_matrices
 
 
 def load_stiffness(

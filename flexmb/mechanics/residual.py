@@ -106,8 +106,8 @@ def iterate(
     """
     at = state(topology, parameters, factors, x, near, strained=strained)
     wanted_x, wanted_e = wanted
-    held = topology.x.held
-    shift = put(jnp.zeros(topology.n_x), held, wanted_x[held] - x[held])
+    constrained = topology.x.held
+    shift = put(jnp.zeros(topology.n_x), constrained, wanted_x[constrained] - x[constrained])
     wanted_e = put(wanted_e, topology.e.dof, strained[topology.e.dof])
     onto = correction(topology, at.transfer, at.e - wanted_e + at.jacobian @ shift, shift)
     strain = at.e + at.jacobian @ onto - strained

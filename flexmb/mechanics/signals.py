@@ -38,8 +38,8 @@ def input_row(
     """Generalised force of a unit input: DFx^T of a force, -DFe^T of a stress added to sigma; THEORY.md 6 and 7."""
     if signal.quantity == "stress":
         return -dfe[signal.index]
-    own, row = along_coordinates(signal, x)
-    return row @ dfx[own]
+    indices, row = along_coordinates(signal, x)
+    return row @ dfx[indices]
 
 
 def terms_of(signals: tuple[Signal, ...]) -> tuple[Signal, ...]:

@@ -36,8 +36,8 @@ class Places:
     def __init__(self, unknowns: list[np.ndarray], count: int):
         """Find the places from the unknowns of each block, (elements, k). The number ``count`` marks no unknown."""
         self._unknowns = unknowns
-        every = [np.where(own < count, own, -1) for own in (*unknowns, np.arange(count)[:, None])]
-        self._pattern = SparsePattern((count, count), [(own, own) for own in every])
+        every = [np.where(indices < count, indices, -1) for indices in (*unknowns, np.arange(count)[:, None])]
+        self._pattern = SparsePattern((count, count), [(indices, indices) for indices in every])
         self._kept: deque[tuple[np.ndarray, SparseFactors]] = deque(maxlen=MOST_FACTORS)
         self.count, self.too_large = count, False
 
@@ -62,8 +62,8 @@ class Places:
             return np.full_like(right, np.nan)
         if not factors.regular:
             return np.full_like(right, np.nan)
-        found, fits = factors.answer(right, transposed, refine=False)
-        return found if fits else on_host_thread(factors.solve, right, transposed)
+        solution, fits = factors.answer(right, transposed, refine=False)
+        return solution if fits else on_host_thread(factors.solve, right, transposed)
 
     def _known(self, entries: np.ndarray) -> SparseFactors | None:
         for known, factors in list(self._kept):
@@ -110,7 +110,7 @@ class SparseOrder(Record):
         """Return the product of the sum of element matrices and a change of the unknowns."""
         padded = jnp.append(change, 0.0)
         every = zip(self.unknowns, pieces, strict=True)
-        products = [(places, jnp.sum(own * padded[places][:, None, :], axis=2)) for places, own in every]
+        products = [(places, jnp.sum(matrices * padded[places][:, None, :], axis=2)) for places, matrices in every]
         return scatter_vector(padded.shape[0], products)[:-1]
 
 
@@ -138,16 +138,16 @@ def order_of(topology: Topology) -> SparseOrder:
     Unknowns, (elements, k), are free coordinates, then multipliers if some deformations are held. The number of all
     unknowns marks an entry without unknown.
     """
-    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
-    n, count = len(free), len(free) + len(held)
+    free, constrained = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    n, count = len(free), len(free) + len(constrained)
     of_x, of_e = np.full(topology.n_x, count), np.full(topology.n_e, count)
-    of_x[free], of_e[held] = np.arange(n), n + np.arange(len(held))
+    of_x[free], of_e[constrained] = np.arange(n), n + np.arange(len(constrained))
     unknowns, holds = [], []
     for block in moving_blocks(topology):
         x, e = np.asarray(block.x), np.asarray(block.e)
-        own = of_e[e if "deformation" in block.companions else e[:, :0]]
-        holds.append(bool(np.any(own < count)))
-        unknowns.append(np.concatenate([of_x[x], own], axis=1) if holds[-1] else of_x[x])
+        e_unknowns = of_e[e if "deformation" in block.companions else e[:, :0]]
+        holds.append(bool(np.any(e_unknowns < count)))
+        unknowns.append(np.concatenate([of_x[x], e_unknowns], axis=1) if holds[-1] else of_x[x])
     return SparseOrder(tuple(jax.device_put(unknowns)), tuple(holds), _places(unknowns, count))
 
 
@@ -165,10 +165,10 @@ _known: WeakValueDictionary[bytes, Places] = WeakValueDictionary()
 
 
 def _places(unknowns: list[np.ndarray], count: int) -> Places:
-    told = hashlib.blake2b(repr((count, [own.shape for own in unknowns])).encode(), digest_size=16)
-    for own in unknowns:
-        told.update(own.astype(np.int64).tobytes())
-    found = _known.get(told.digest())
-    if found is None:
-        found = _known[told.digest()] = Places(unknowns, count)
-    return found
+    hasher = hashlib.blake2b(repr((count, [indices.shape for indices in unknowns])).encode(), digest_size=16)
+    for indices in unknowns:
+        hasher.update(indices.astype(np.int64).tobytes())
+    places = _known.get(hasher.digest())
+    if places is None:
+        places = _known[hasher.digest()] = Places(unknowns, count)
+    return places

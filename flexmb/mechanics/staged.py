@@ -43,9 +43,9 @@ class Staged:
         order = np.concatenate([np.flatnonzero(self._is_inner), np.flatnonzero(~self._is_inner)])
         self._place = np.argsort(order)
         self._shape = jax.eval_shape(
-            lambda own, *every: self._bent(*own, *self._known(*every)[1])[1], groups[0], *numbers
+            lambda inner, *every: self._bent(*inner, *self._known(*every)[1])[1], groups[0], *numbers
         )
-        if not all(np.issubdtype(one.dtype, np.floating) for one in self._shape):
+        if not all(np.issubdtype(leaf.dtype, np.floating) for leaf in self._shape):
             raise TypeError("Results of the inner coordinates must be differentiable numbers.")
 
     def __call__(self, x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> Any:
@@ -57,7 +57,7 @@ class Staged:
     def derivative(self, x: Float[Array, "c"], ref: Float[Array, "c"], numbers: tuple[Array, ...]) -> tuple[Any, Any]:
         """Return the derivatives by the coordinates, on the last axis of each array, and the value."""
         value, by_all = derivative_in_stages(*self._stages(numbers), x[self._is_inner], x[~self._is_inner])
-        return jax.tree.map(lambda own: own[..., self._place], by_all), value
+        return jax.tree.map(lambda derivatives: derivatives[..., self._place], by_all), value
 
     def curvature(
         self, x: Float[Array, "c"], sigma: Float[Array, "n"], ref: Float[Array, "c"], numbers: tuple[Array, ...]
@@ -78,8 +78,8 @@ class Staged:
             return jnp.concatenate([jnp.ravel(result) for result in results])
 
         def closed(outer: Float[Array, "m"], shape: Float[Array, "s"]):
-            parts = jnp.split(shape, np.cumsum([one.size for one in self._shape])[:-1])
-            parts = [jnp.reshape(own, one.shape) for own, one in zip(parts, self._shape, strict=True)]
+            parts = jnp.split(shape, np.cumsum([leaf.size for leaf in self._shape])[:-1])
+            parts = [jnp.reshape(part, leaf.shape) for part, leaf in zip(parts, self._shape, strict=True)]
             return self._closed(*jnp.split(outer, of_outer), *known, *parts)[0]
 
         return bent, closed

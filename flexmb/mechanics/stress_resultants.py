@@ -12,17 +12,17 @@ from ..elements.element import NONLINEAR
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Block, Topology
 from .blocks import each_block, heat_sizes, scatter_matrix, scatter_vector
-from .inertia import Felt, fall
+from .inertia import InertialLoad, fall
 
 
 def stiffness_pieces(
     topology: Topology, parameters: Parameters, companion: str = "stiffness"
 ) -> list[tuple[Array, Array, Array]]:
     """Stiffness of each block's elements, with row and column indices."""
-    pieces = []
+    element_matrices = []
     for block, function, ref, properties in each_block(topology, parameters, companion):
-        pieces.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
-    return pieces
+        element_matrices.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
+    return element_matrices
 
 
 @jit
@@ -33,11 +33,11 @@ def known_stiffness_pieces(topology: Topology, parameters: Parameters) -> list[t
 
 def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
     """Stiffness times deformations, block by block."""
-    pieces = [
+    element_stresses = [
         (rows, jnp.einsum("eij,ej->ei", matrices, strain[columns]))
         for rows, columns, matrices in stiffness_pieces(topology, parameters)
     ]
-    return scatter_vector(topology.n_e, pieces)
+    return scatter_vector(topology.n_e, element_stresses)
 
 
 def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
@@ -85,22 +85,22 @@ def _nonlinear_stress(topology: Topology, parameters: Parameters):
     """
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
 
-        def elastic(e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, energy: Callable[..., Any] = energy):
-            return jax.grad(lambda e: energy((e,), *rest))(e)
+        def elastic(e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, energy: Callable[..., Any] = energy):
+            return jax.grad(lambda e: energy((e,), *arguments))(e)
 
         yield block, elastic, (0,), arguments
     for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
 
         def damping(
-            e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, dissipation: Callable[..., Any] = dissipation
+            e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, dissipation: Callable[..., Any] = dissipation
         ):
-            return jax.grad(lambda ed: dissipation((e, ed), *rest))(ed)
+            return jax.grad(lambda ed: dissipation((e, ed), *arguments))(ed)
 
         yield block, damping, (0, 1), arguments
     for block, law, *arguments in each_block(topology, parameters, "law"):
 
-        def general(e: Float[Array, "n"], ed: Float[Array, "n"], *rest: Any, law: Callable[..., Any] = law):
-            return law((e, ed), *rest)
+        def general(e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, law: Callable[..., Any] = law):
+            return law((e, ed), *arguments)
 
         yield block, general, (0, 1), arguments
 
@@ -110,10 +110,10 @@ def nonlinear_stress(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
     """Stress resultants of energies, dissipations and laws: dE/de + dR/ded + law."""
-    pieces = []
+    element_stresses = []
     for block, function, _, arguments in _nonlinear_stress(topology, parameters):
-        pieces.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
-    return scatter_vector(topology.n_e, pieces)
+        element_stresses.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
+    return scatter_vector(topology.n_e, element_stresses)
 
 
 def nonlinear_tangent_pieces(
@@ -130,8 +130,8 @@ def nonlinear_tangent_pieces(
         derivative = jax.vmap(jax.jacfwd(twice, argnums=counts, has_aux=True))
         matrices_by, sigma = derivative(e[block.e], ed[block.e], *arguments)
         stress.append((block.e, sigma))
-        for pieces, matrices in zip(tangents, matrices_by, strict=False):
-            pieces.append((block.e, block.e, matrices))
+        for element_matrices, matrices in zip(tangents, matrices_by, strict=False):
+            element_matrices.append((block.e, block.e, matrices))
     return stress, *tangents
 
 
@@ -144,7 +144,7 @@ def nonlinear_tangents(
     Matrices are symmetric unless an element has a law.
     """
     stress, *tangents = nonlinear_tangent_pieces(topology, parameters, e, ed)
-    by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), pieces) for pieces in tangents)
+    by_e, by_ed = (scatter_matrix((topology.n_e, topology.n_e), element_matrices) for element_matrices in tangents)
     return scatter_vector(topology.n_e, stress), by_e, by_ed if depends_on_rates(topology) else None
 
 
@@ -153,7 +153,9 @@ def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array,
     """Elastic energy of elements with a nonlinear energy [J]."""
     total = jnp.array(0.0)
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
-        total = total + jnp.sum(jax.vmap(lambda e, *rest, energy=energy: energy((e,), *rest))(e[block.e], *arguments))
+        total = total + jnp.sum(
+            jax.vmap(lambda e, *numbers, energy=energy: energy((e,), *numbers))(e[block.e], *arguments)
+        )
     return total
 
 
@@ -165,12 +167,12 @@ def thermal_deformations(
 
     Source: THEORY.md 2, eq. (2.31) to (2.33); temperature as in :class:`flexmb.model.parameters.Loads`.
     """
-    pieces = []
+    element_deformations = []
     for block, function, *arguments in each_block(topology, parameters, "thermal"):
-        own = temperature[block.e[:, 0]]
-        change = (own[:, :2], own[:, 2:])[: len(heat_sizes(block.element))]
-        pieces.append((block.e, jax.vmap(function)(change, *arguments)))
-    return scatter_vector(topology.n_e, pieces)
+        element_temperature = temperature[block.e[:, 0]]
+        change = (element_temperature[:, :2], element_temperature[:, 2:])[: len(heat_sizes(block.element))]
+        element_deformations.append((block.e, jax.vmap(function)(change, *arguments)))
+    return scatter_vector(topology.n_e, element_deformations)
 
 
 def free_deformations(topology: Topology, parameters: Parameters, loads: Loads) -> Float[Array, "n_e"] | None:
@@ -258,12 +260,12 @@ def stress_and_tangent(
     return _prestressed(sigma, loads), stiffness
 
 
-def section_resultants(
+def block_resultants(
     topology: Topology,
     parameters: Parameters,
     x: Float[Array, "n_x"],
     sigma: Float[Array, "n_e"],
-    felt: Felt,
+    felt: InertialLoad,
     places: Float[Array, "places"],
 ) -> list[Float[Array, "elements places 6"]]:
     """Forces and moments in cross-sections, (elements, places, 6) [N, N m] per block with the companion ``resultants``.
@@ -271,23 +273,23 @@ def section_resultants(
     ``sigma`` includes multipliers of FIXED deformations; places go from 0 at the first end of an element to 1.
     """
     resultants = []
-    inertias = {id(block): rest for block, *rest in each_block(topology, parameters, "inertia")}
+    inertias = {id(block): arguments for block, *arguments in each_block(topology, parameters, "inertia")}
     for block, function, ref, properties in each_block(topology, parameters, "resultants"):
         extra: dict[str, Any] = {"sigma": sigma[block.e]}
         if block.element.feels_fall:
             acts = id(block) in inertias
             extra["fall"] = fall(topology, felt, x, block, *inertias[id(block)]) if acts else None
 
-        def one(
+        def at_one_place(
             x: Float[Array, "c"],
             ref: Float[Array, "c"],
-            own: Any,
+            element_properties: Any,
             extra: dict[str, Any],
             place: Float[Array, ""],
             function: Callable[..., Any] = function,
         ):
-            return function(x, ref, own, place=place, **extra)
+            return function(x, ref, element_properties, place=place, **extra)
 
-        everywhere = jax.vmap(jax.vmap(one, (None, None, None, None, 0)), (0, 0, 0, 0, None))
+        everywhere = jax.vmap(jax.vmap(at_one_place, (None, None, None, None, 0)), (0, 0, 0, 0, None))
         resultants.append(everywhere(x[block.x], ref, properties, extra, places))
     return resultants

@@ -82,7 +82,7 @@ class _Beam(NamedTuple):
     closure: tuple[int, ...]
 
 
-class _Walked(NamedTuple):
+class _Visit(NamedTuple):
     """A beam of a walk: whether it starts from its last end, and the beams before it by position and by rotation."""
 
     beam: _Beam
@@ -95,42 +95,42 @@ def tree_of(topology: Topology, acted: Collection[int] | None = None) -> Tree | 
     """Beams whose last end can be computed; None without any, or for a traced topology."""
     if not is_concrete(topology):
         return None
-    walked = _walk(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
+    walked = _visits(list(_beams(topology)), set(np.asarray(topology.x.free).tolist()))
     if not walked:
         return None
     poses = _poses(topology, walked)
     computed = {*poses.ends.ravel().tolist(), *poses.turns.ravel().tolist()}
-    rows, closed = _rows(topology, {one.beam.closure[0] for one in walked}, computed)
-    closed |= {e for one in walked for e in one.beam.closure}
-    free, held = np.asarray(topology.x.free), np.asarray(topology.e.held)
-    made: Any = Tree
+    rows, closed = _rows(topology, {visit.beam.closure[0] for visit in walked}, computed)
+    closed |= {e for visit in walked for e in visit.beam.closure}
+    free, constrained = np.asarray(topology.x.free), np.asarray(topology.e.held)
+    constructor: Any = Tree
     kept_places = np.flatnonzero(~np.isin(free, list(computed)))
     read = computed if acted is None else _read(topology, rows) | set(acted)
-    felt = _felt(walked, read)
+    needed_visits = _determining_beams(walked, read)
     # A beam needs its rotation, at its first end.
-    turning = any(read.intersection(_at(one, "turns")) for one in felt)
-    return made(
+    turning = any(read.intersection(_at(visit, "turns")) for visit in needed_visits)
+    return constructor(
         rows,
         poses,
-        _poses(topology, felt, turning) if felt else None,
+        _poses(topology, needed_visits, turning) if needed_visits else None,
         free[kept_places],
         kept_places,
-        np.flatnonzero(~np.isin(held, list(closed))),
+        np.flatnonzero(~np.isin(constrained, list(closed))),
     )
 
 
-def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> Poses:
+def _poses(topology: Topology, walked: list[_Visit], turning: bool = True) -> Poses:
     """Poses of beams in a walk, renumbered; positions alone unless ``turning``."""
     order = sorted(range(len(walked)), key=lambda i: walked[i].beam[:2])
     number = {i: k for k, i in enumerate(order)} | {None: None}
     walked = [walked[i] for i in order]
-    after, turned_after = ([number[own] for own in column] for column in list(zip(*walked, strict=True))[2:])
+    after, turned_after = ([number[key] for key in column] for column in list(zip(*walked, strict=True))[2:])
     # Arrays of NumPy, as in a topology outside a trace.
-    made: Any = Poses
-    nodes = {name: np.array([_at(one, name) for one in walked]) for name in ("ends", "turns", "near", "base")}
+    constructor: Any = Poses
+    nodes = {name: np.array([_at(visit, name) for visit in walked]) for name in ("ends", "turns", "near", "base")}
     whence, turned_from = (
-        np.array([nodes[own][_way(before, i)[-1]] for i in range(len(walked))])
-        for own, before in (("near", after), ("base", turned_after))
+        np.array([nodes[key][_way(before, i)[-1]] for i in range(len(walked))])
+        for key, before in (("near", after), ("base", turned_after))
     )
     if not turning:
         nodes["turns"] = nodes["turns"][:, :0]
@@ -138,8 +138,8 @@ def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> P
     for name in ("turns", "ends"):
         place[nodes[name]] = place.max() + 1 + np.arange(nodes[name].size).reshape(nodes[name].shape)
     blocks = range(len(topology.blocks))
-    return made(
-        tuple(np.array([one.beam.row for one in walked if one.beam.block == k], int) for k in blocks),
+    return constructor(
+        tuple(np.array([visit.beam.row for visit in walked if visit.beam.block == k], int) for k in blocks),
         nodes["ends"],
         nodes["turns"],
         whence,
@@ -148,42 +148,42 @@ def _poses(topology: Topology, walked: list[_Walked], turning: bool = True) -> P
         np.array([np.isin(np.arange(len(walked)), _way(after, i)) for i in range(len(walked))], float),
         _jumps(turned_after),
         bool(np.isin(np.concatenate([whence, turned_from], axis=1), np.asarray(topology.x.free)).any()),
-        np.array([one.back for one in walked]) if any(one.back for one in walked) else None,
+        np.array([visit.back for visit in walked]) if any(visit.back for visit in walked) else None,
     )
 
 
 def _read(topology: Topology, rows: tuple[tuple[np.ndarray, np.ndarray], ...]) -> set[int]:
     """Coordinates on which elements depend; beams with a computed last end do not depend on it."""
-    found: set[int] = set()
-    for block, (short, whole) in zip(topology.blocks, rows, strict=True):
+    indices: set[int] = set()
+    for block, (short, complete) in zip(topology.blocks, rows, strict=True):
         x = np.asarray(block.x)
-        found |= set(x[whole].ravel().tolist())
+        indices |= set(x[complete].ravel().tolist())
         if short.shape[0]:
-            found |= set(x[short, : block.splits[1]].ravel().tolist())
-    return found
+            indices |= set(x[short, : block.splits[1]].ravel().tolist())
+    return indices
 
 
-def _felt(walked: list[_Walked], read: set[int]) -> list[_Walked]:
+def _determining_beams(walked: list[_Visit], read: set[int]) -> list[_Visit]:
     """Beams that determine coordinates in ``read``, those before them, and all others of their blocks, renumbered."""
     needed: set[int] = set()
-    more = {i for i, one in enumerate(walked) if read.intersection((*_at(one, "ends"), *_at(one, "turns")))}
+    more = {i for i, visit in enumerate(walked) if read.intersection((*_at(visit, "ends"), *_at(visit, "turns")))}
     while not more <= needed:
         needed |= more
         blocks = {walked[i].beam.block for i in needed}
-        more = {i for i, one in enumerate(walked) if one.beam.block in blocks}
-        more |= {own for i in needed for own in (walked[i].after, walked[i].turned_after) if own is not None}
+        more = {i for i, visit in enumerate(walked) if visit.beam.block in blocks}
+        more |= {index for i in needed for index in (walked[i].after, walked[i].turned_after) if index is not None}
     number = {i: k for k, i in enumerate(sorted(needed))} | {None: None}
     return [
-        one._replace(after=number[one.after], turned_after=number[one.turned_after])
-        for i, one in enumerate(walked)
+        visit._replace(after=number[visit.after], turned_after=number[visit.turned_after])
+        for i, visit in enumerate(walked)
         if i in needed
     ]
 
 
-def _at(one: _Walked, name: str) -> tuple[int, ...]:
+def _at(visit: _Visit, name: str) -> tuple[int, ...]:
     """Coordinates of the end that a beam determines, or of the end from which it starts."""
-    columns = one.beam.turns if name in ("turns", "base") else one.beam.ends
-    return columns[one.back if name in ("near", "base") else not one.back]
+    columns = visit.beam.turns if name in ("turns", "base") else visit.beam.ends
+    return columns[visit.back if name in ("near", "base") else not visit.back]
 
 
 def _beams(topology: Topology):
@@ -195,52 +195,52 @@ def _beams(topology: Topology):
         closure = block.element.fields[0][0] - 1
         for row, (x, e) in enumerate(zip(np.asarray(block.x), np.asarray(block.e), strict=True)):
             p, turn_p, q, turn_q, _ = (tuple(part.tolist()) for part in np.split(x, block.splits))
-            own = tuple(e[:closure].tolist())
-            if fixed.issuperset(own):
-                yield _Beam(number, row, (p, q), (turn_p, turn_q), own)
+            closure_indices = tuple(e[:closure].tolist())
+            if fixed.issuperset(closure_indices):
+                yield _Beam(number, row, (p, q), (turn_p, turn_q), closure_indices)
 
 
-def _walk(beams: list[_Beam], free: set[int]) -> list[_Walked]:
+def _visits(beams: list[_Beam], free: set[int]) -> list[_Visit]:
     """Beams in the order of a walk from held positions first."""
     at: dict[tuple[int, ...], list[tuple[_Beam, bool]]] = {}
     for beam in beams:
         for back in (False, True):
             at.setdefault(beam.ends[back], []).append((beam, back))
-    given: dict[tuple[int, ...], int | None] = {}
-    found: list[_Walked] = []
+    reached: dict[tuple[int, ...], int | None] = {}
+    visits: list[_Visit] = []
     for start in sorted(at, key=lambda position: bool(free.intersection(position))):
-        queue = collections.deque([start] if start not in given else [])
+        queue = collections.deque([start] if start not in reached else [])
         if queue:
-            given[start] = None
+            reached[start] = None
         while queue:
             position = queue.popleft()
             for beam, back in at[position]:
                 (base, turn), end = (beam.turns[back], beam.turns[not back]), beam.ends[not back]
-                taken = end in given or turn in given or turn == base
-                if taken or not free.issuperset((*end, *turn)):
+                is_reached = end in reached or turn in reached or turn == base
+                if is_reached or not free.issuperset((*end, *turn)):
                     continue
-                found.append(_Walked(beam, back, given[position], given.setdefault(base)))
-                given[end] = given[turn] = len(found) - 1
+                visits.append(_Visit(beam, back, reached[position], reached.setdefault(base)))
+                reached[end] = reached[turn] = len(visits) - 1
                 queue.append(end)
-    return found
+    return visits
 
 
 def _way(before: list[int | None], last: int) -> list[int]:
     """A beam, the one before it, and so on."""
     way = [last]
-    while (own := before[way[-1]]) is not None:
-        way.append(own)
+    while (previous := before[way[-1]]) is not None:
+        way.append(previous)
     return way
 
 
 def _jumps(before: list[int | None]) -> np.ndarray:
     """The beam one before each, two before, four before, and so on, while there is one."""
     none = len(before)
-    now, found = np.array([none if own is None else own for own in before] + [none]), []
-    while np.any(now != none):
-        found.append(now[:-1])
-        now = now[now]
-    return np.array([np.eye(none + 1)[jump, :none] for jump in found]).reshape(-1, none, none)
+    current, jumps = np.array([none if index is None else index for index in before] + [none]), []
+    while np.any(current != none):
+        jumps.append(current[:-1])
+        current = current[current]
+    return np.array([np.eye(none + 1)[jump, :none] for jump in jumps]).reshape(-1, none, none)
 
 
 def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tuple, set[int]]:
@@ -248,23 +248,23 @@ def _rows(topology: Topology, first: set[int], computed: set[int]) -> tuple[tupl
     rows, norms = [], set()
     for block in topology.blocks:
         x, e, none = np.asarray(block.x), np.asarray(block.e), np.zeros(len(block.x), bool)
-        short, left = none, none
+        short, computed_rows = none, none
         if block.element.passage is not None:
             short = np.isin(e[:, 0], list(first))
         elif block.element.deformation is unit_norm:
-            left = np.all(np.isin(x, list(computed)), axis=1)
-            norms |= set(e[left].ravel().tolist())
-        rows.append((np.flatnonzero(short), np.flatnonzero(~short & ~left)))
+            computed_rows = np.all(np.isin(x, list(computed)), axis=1)
+            norms |= set(e[computed_rows].ravel().tolist())
+        rows.append((np.flatnonzero(short), np.flatnonzero(~short & ~computed_rows)))
     return tuple(rows), norms
 
 
-def some_of(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) -> tuple[Block, dict[str, Any]]:
+def block_part(block: Block, properties: dict[str, Any], rows: Int[Array, "_s"]) -> tuple[Block, dict[str, Any]]:
     """Some elements of a block, with their properties."""
     if rows.shape[0] == block.x.shape[0]:
         return block, properties
-    own = jax.tree.map(lambda leaf: jnp.asarray(leaf)[rows], with_rigidities(properties))
+    row_properties = jax.tree.map(lambda leaf: jnp.asarray(leaf)[rows], with_rigidities(properties))
     parts = {name: getattr(block, name) for name in ("element", "companions", "options", "splits", "meaning")}
-    return Block(x=block.x[rows], e=block.e[rows], **parts), own
+    return Block(x=block.x[rows], e=block.e[rows], **parts), row_properties
 
 
 def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"]) -> Float[Array, "n_x"]:
@@ -274,7 +274,7 @@ def linked(poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Ar
     return jnp.concatenate([x, turns.reshape(-1), ends.reshape(-1)])[poses.place]
 
 
-def pulled(
+def tree_forces(
     poses: Poses, passed: Float[Array, "beams way_and_turn"], x: Float[Array, "n_x"], force: Float[Array, "n_x"]
 ) -> tuple[Float[Array, "beams way_and_turn"], Float[Array, "n_x"]]:
     """Forces on ways and turns, and on coordinates that are not computed, from nodal forces.

@@ -89,7 +89,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no velocities.
         """
-        return self._placed(_held(self, "xd"), node, component, "angular_velocity")
+        return self._placed(_array_of(self, "xd"), node, component, "angular_velocity")
 
     def acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return accelerations of a node's coordinates; for its rotation see :meth:`angular_acceleration`.
@@ -100,7 +100,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no accelerations.
         """
-        return self._placed(_held(self, "xdd"), node, component, "angular_acceleration")
+        return self._placed(_array_of(self, "xdd"), node, component, "angular_acceleration")
 
     def angular_velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return the angular velocity of a node.
@@ -111,7 +111,7 @@ class ByName:
             KeyError: No such node or component, or the node has no rotation.
             AttributeError: The result has no velocities.
         """
-        return self._turned(_held(self, "xd"), node, component, _about_axes)
+        return self._turned(_array_of(self, "xd"), node, component, _about_axes)
 
     def angular_acceleration(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return the rate of :meth:`angular_velocity`.
@@ -123,7 +123,7 @@ class ByName:
             KeyError: No such node or component, or the node has no rotation.
             AttributeError: The result has no accelerations.
         """
-        return self._turned(_held(self, "xdd"), node, component, _about_axes)
+        return self._turned(_array_of(self, "xdd"), node, component, _about_axes)
 
     def reaction(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return force and moment of the support on the mechanism at a node; zero without support.
@@ -139,7 +139,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no reactions.
         """
-        return self._acting(_held(self, "reactions"), node, component)
+        return self._acting(_array_of(self, "reactions"), node, component)
 
     def force_needed(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return the external force at a node that keeps the mechanism in its state.
@@ -155,7 +155,7 @@ class ByName:
             KeyError: No such node or component.
             AttributeError: The result has no forces.
         """
-        return self._acting(_held(self, "external"), node, component)
+        return self._acting(_array_of(self, "external"), node, component)
 
     def deformation(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
         """Return deformations of an element, (states, n), or (states,) for one [m, rad if angular].
@@ -167,7 +167,7 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no deformations.
         """
-        return _picked(_held(self, "e"), self.labels.deformations(element, number))
+        return _picked(_array_of(self, "e"), self.labels.deformations(element, number))
 
     def stress_resultant(self: Any, element: str, number: int | str | None = None) -> Float[Array, "..."]:
         """Return stress resultants of an element, dual to its deformations; constraint forces for FIXED deformations.
@@ -181,7 +181,7 @@ class ByName:
             KeyError: No such element, or it has no such deformation.
             AttributeError: The result has no stress resultants.
         """
-        return _picked(_held(self, "sigma"), self.labels.deformations(element, number))
+        return _picked(_array_of(self, "sigma"), self.labels.deformations(element, number))
 
     def _placed(self: Any, values: Any, node: str, component: str | None, of_rotation: str) -> Any:
         """Values at a node's own coordinates, or at one of them."""
@@ -199,12 +199,12 @@ class ByName:
         if not parts:
             raise KeyError(f"node '{node}' has no rotation: no element that turns with it is joined to it")
         indices = self.labels.known(parts[0])
-        own = _picked(values, indices)
+        part_values = _picked(values, indices)
         if len(indices) == 1:
             _number(node, ["phi"], component)
-            return _picked(own, 0)
-        own = function(_picked(self.x, indices), own)
-        return own if component is None else _picked(own, _number(node, TURNS, component))
+            return _picked(part_values, 0)
+        part_values = function(_picked(self.x, indices), part_values)
+        return part_values if component is None else _picked(part_values, _number(node, TURNS, component))
 
     def _acting(self: Any, values: Any, node: str, component: str | None) -> Any:
         """Forces and moments from values dual to the coordinates; 2 Lbar^T m is dual to Euler parameters."""
@@ -227,17 +227,17 @@ def _picked(values: Any, indices: Any) -> Any:
 
 def _along_axes(labels: Any, x: Any, values: Any, node: str, component: str | None, factor: float) -> Any:
     """Values at a node and its rotation, there a factor times Lbar times the values, about global axes."""
-    pieces, names = [], []
+    results, names = [], []
     for part in labels.parts(node):
         indices = labels.known(part)
-        own = _picked(values, indices)
+        part_values = _picked(values, indices)
         turns = labels.x[indices[0]].symbol == "l0"
         # Hinges that turn a rotation start at its frame, whose support has the moment that turns it.
         places = [indices, labels.coordinates(frame_of(part))] if turns else []
         about_axes = [_with_lbar(_picked(x, at), _picked(values, at), factor) for at in places if len(at)]
-        pieces.append(sum(about_axes[1:], about_axes[0]) if turns else own)
+        results.append(sum(about_axes[1:], about_axes[0]) if turns else part_values)
         names += TURNS if turns else [labels.x[i].symbol for i in indices]
-    values = pieces[0] if len(pieces) == 1 else computed(lambda xp, *parts: xp.concatenate(parts, axis=-1), *pieces)
+    values = results[0] if len(results) == 1 else computed(lambda xp, *parts: xp.concatenate(parts, axis=-1), *results)
     return values if component is None else _picked(values, _number(node, names, component))
 
 
@@ -250,13 +250,13 @@ def _number(node: str, names: Any, component: str | None) -> int:
     return list(names).index(component)
 
 
-def _held(result: Any, quantity: str) -> Any:
+def _array_of(result: Any, quantity: str) -> Any:
     """An array of a result. Raises AttributeError: The result has none."""
     try:
         return getattr(result, quantity)
     except AttributeError as error:
-        what, where = _HELD[quantity]
-        raise AttributeError(f"This {type(result).__name__} has no {what}: {where}.") from error
+        name, where = _HELD[quantity]
+        raise AttributeError(f"This {type(result).__name__} has no {name}: {where}.") from error
 
 
 def _vectors(lam: Any) -> Any:

@@ -167,36 +167,36 @@ class Labels:
         Names are "top.x", "top.phi" or "top.rotation.phi", "hinge.e2". "top.rx" means the angle of the hinge that turns
         or holds the rotation of a node in space about this axis.
         """
-        of, _, component = str(name).rpartition(".")
-        meant = {str(name): 0, f"{of}.rotation.{component}": 1, f"{turn_of(of, component)}.e1": 2}
-        found = [
-            (meant[said], kind, i)
+        owner, _, component = str(name).rpartition(".")
+        meant = {str(name): 0, f"{owner}.rotation.{component}": 1, f"{turn_of(owner, component)}.e1": 2}
+        matches = [
+            (meant[text], kind, i)
             for kind in "xe"
             for i, entry in enumerate(getattr(self, kind))
-            if entry.kind != "norm" and (said := str(entry)) in meant
+            if entry.kind != "norm" and (text := str(entry)) in meant
         ]
-        if found:
-            return min(found)[1:]
+        if matches:
+            return min(matches)[1:]
         return ("e", self.e_places[name]) if name in self.e_places else None
 
     def names(self) -> list[str]:
         """Names of everything that can be driven or loaded: coordinates, rotations in space by axis, deformations."""
-        found = []
+        names = []
         for entry in (*self.x, *self.e):
             if entry.symbol[0] == "l" and entry.kind == "rotation":
                 symbols = TURNS if entry.component == 1 else ()
             else:
                 symbols = () if entry.kind in ("norm", "internal") else (entry.symbol,)
-            found += [f"{entry.of.removesuffix('.rotation')}.{symbol}" for symbol in symbols]
-        return found
+            names += [f"{entry.of.removesuffix('.rotation')}.{symbol}" for symbol in symbols]
+        return names
 
     def rotation_of(self, name: str) -> tuple[list[int], int] | None:
         """Euler parameters in x, and axis, of a name such as "top.rx"; None for another name."""
-        of, _, component = str(name).rpartition(".")
+        owner, _, component = str(name).rpartition(".")
         if component not in TURNS or self.dimension != 3:
             return None
-        own = self.coordinates(f"{of}.rotation") or self.coordinates(of)
-        return (own, TURNS.index(component)) if own and self.x[own[0]].kind == "rotation" else None
+        indices = self.coordinates(f"{owner}.rotation") or self.coordinates(owner)
+        return (indices, TURNS.index(component)) if indices and self.x[indices[0]].kind == "rotation" else None
 
     def holding(self, name: str) -> list[int]:
         """Indices in e of deformations of hinges that hold a rotation such as "top.rx" while they are FIXED."""
@@ -209,10 +209,10 @@ class Labels:
 
     def parts(self, node: str) -> list[str]:
         """A node and its rotation, if they exist; for "name.rotation" the rotation. Raises KeyError: No such node."""
-        found = [part for part in (node, f"{node}.rotation") if self.coordinates(part)]
-        if not found:
+        parts = [part for part in (node, f"{node}.rotation") if self.coordinates(part)]
+        if not parts:
             self.known(node)
-        return found
+        return parts
 
     @property
     def e_places(self) -> dict[str, int]:
@@ -222,18 +222,18 @@ class Labels:
 
     def deformations(self, element: str, number: int | str | None = None) -> Any:
         """Indices in e of an element's deformations, or of one. Raises KeyError: No such element or deformation."""
-        own = [i for i, entry in enumerate(self.e) if entry.of == element and entry.kind != "norm"]
-        if not own:
-            there = [entry.of for entry in self.e if entry.kind != "norm"]
-            raise KeyError(f"no element '{element}' in this model{_instead(element, there, 'element')}")
+        indices = [i for i, entry in enumerate(self.e) if entry.of == element and entry.kind != "norm"]
+        if not indices:
+            elements = [entry.of for entry in self.e if entry.kind != "norm"]
+            raise KeyError(f"no element '{element}' in this model{_instead(element, elements, 'element')}")
         if number is None:
-            return np.array(own)
-        for i in own:
+            return np.array(indices)
+        for i in indices:
             if number in (self.e[i].component, self.e[i].symbol) or (number and number == self.e[i].name):
                 return i
-        names = ", ".join(f"{e.component} {e.name}" for i in own if (e := self.e[i]).name)
+        names = ", ".join(f"{e.component} {e.name}" for i in indices if (e := self.e[i]).name)
         raise KeyError(
-            f"element '{element}' has deformations 1 to {len(own)}, not {number!r}{f': {names}' if names else ''}"
+            f"element '{element}' has deformations 1 to {len(indices)}, not {number!r}{f': {names}' if names else ''}"
         )
 
 
@@ -253,9 +253,9 @@ class Model(Result, Record):
 
     def without_names(self) -> Model:
         """The mechanism without names, so that mechanisms with other names share compiled code."""
-        own = self.labels
-        inputs, outputs = (tuple(s.without_name() for s in some) for some in (own.inputs, own.outputs))
-        return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, own.dimension, ()))
+        labels = self.labels
+        inputs, outputs = (tuple(s.without_name() for s in some) for some in (labels.inputs, labels.outputs))
+        return dataclasses.replace(self, labels=Labels((), (), (), inputs, outputs, labels.dimension, ()))
 
     def with_property(self, path: str, values: Any, elements: Sequence[str] | None = None) -> Model:
         """Return the mechanism with other numbers for one property of its elements, without building it again.
@@ -288,14 +288,21 @@ class Model(Result, Record):
 
     def signals(self) -> tuple[tuple[Signal, ...], tuple[Signal, ...]]:
         """Inputs and outputs, with a note whether their coordinates are constrained in the present roles."""
-        held = None
+        constrained = None
         if is_concrete(self.topology):
-            held = [{*_list(own.fixed), *_list(own.prescribed)} for own in (self.topology.x, self.topology.e)]
+            constrained = [
+                {*_list(role_indices.fixed), *_list(role_indices.prescribed)}
+                for role_indices in (self.topology.x, self.topology.e)
+            ]
 
         def now(signal: Signal) -> Signal:
             if signal.parts:
                 return dataclasses.replace(signal, parts=tuple(now(part) for part in signal.parts))
-            return signal if held is None else dataclasses.replace(signal, held=signal.index in held[signal.of_element])
+            return (
+                signal
+                if constrained is None
+                else dataclasses.replace(signal, held=signal.index in constrained[signal.of_element])
+            )
 
         return tuple(tuple(now(s) for s in some) for some in (self.labels.inputs, self.labels.outputs))  # type: ignore
 
@@ -304,17 +311,17 @@ class Model(Result, Record):
 
         A spatial rotation counts as 3 coordinates, a PRESCRIBED entry as a constraint.
         """
-        held = (Role.FIXED, Role.PRESCRIBED)
+        constrained = (Role.FIXED, Role.PRESCRIBED)
         x_roles, e_roles = self.roles()
         entries = list(zip(self.labels.x, x_roles, strict=True))
         norms = sum(entry.kind == "norm" for entry in self.labels.e)
         # A rotation fixed as a whole loses its norm with its four parameters: 3 coordinates, 3 constraints.
-        whole = {entry.of for entry, role in entries if entry.symbol == "l0"}
-        whole -= {entry.of for entry, role in entries if entry.symbol[0] == "l" and role not in held}
+        rotations = {entry.of for entry, role in entries if entry.symbol == "l0"}
+        rotations -= {entry.of for entry, role in entries if entry.symbol[0] == "l" and role not in constrained}
         nx = len(entries) - sum(entry.symbol == "l0" for entry, _ in entries)
-        nxo = sum(role in held for _, role in entries) - len(whole)
+        nxo = sum(role in constrained for _, role in entries) - len(rotations)
         ne = len(e_roles) - norms
-        neo = sum(r in held and n.kind != "norm" for n, r in zip(self.labels.e, e_roles, strict=True))
+        neo = sum(r in constrained and n.kind != "norm" for n, r in zip(self.labels.e, e_roles, strict=True))
         return {"nx": nx, "ne": ne, "nxo": nxo, "neo": neo, "ndof": nx - nxo - neo}
 
     def overview(self) -> str:
@@ -323,13 +330,13 @@ class Model(Result, Record):
         x_roles, e_roles = self.roles()
         lines.append(f"degrees of freedom: {self.topology.n_q}")
         for title, entries, roles in (("node", self.labels.x, x_roles), ("element", self.labels.e, e_roles)):
-            own = [pair for pair in zip(entries, roles, strict=True) if pair[0].kind != "norm"]
+            pairs = [pair for pair in zip(entries, roles, strict=True) if pair[0].kind != "norm"]
             grouped: dict[str, list[str]] = {}
-            for (of, role), run in itertools.groupby(own, key=lambda pair: (pair[0].of, pair[1])):
+            for (owner, role), run in itertools.groupby(pairs, key=lambda pair: (pair[0].of, pair[1])):
                 symbols = [entry.symbol for entry, _ in run]
                 # A leaf spring has dozens of internal coordinates.
                 named = [f"{symbols[0]} to {symbols[-1]}"] if len(symbols) > AT_MOST else symbols
-                grouped.setdefault(of, []).extend(f"{symbol} {role.value}" for symbol in named)
+                grouped.setdefault(owner, []).extend(f"{symbol} {role.value}" for symbol in named)
             wide = max([16, *(len(name) + 1 for name in grouped)])
             lines.append(f"{title:<{wide}}" + "components")
             lines += [f"{name:<{wide}}" + ", ".join(parts) for name, parts in grouped.items()]
@@ -385,7 +392,7 @@ def as_model(given: Any, function: str) -> Model:
     raise TypeError(f"fm.{function} takes a Model, as Builder.build() returns it, not {kind_of(given)}: {instead}.")
 
 
-def as_known(given: Any, function: str, numbers: bool = True) -> Model:
+def as_known_model(given: Any, function: str, numbers: bool = True) -> Model:
     """As :func:`as_model`, for a model with known structure, and known numbers if ``numbers``.
 
     Raises:
@@ -422,12 +429,12 @@ def as_determined(given: Any, function: str) -> Model:
         )
     n, rows = model.topology.n_x, model.topology.n_e
     # Curvature, constraints of the DEPENDENT coordinates with factors, and Jacobian exist at the same time.
-    needed, there = 8 * n * (3 * n + rows), memory()
-    if needed > there:
+    needed, available = 8 * n * (3 * n + rows), memory()
+    if needed > available:
         raise AnalysisError(
             RESULTS.out_of_memory.name,
             f"fm.{function}: dense matrices of {n} coordinates take {needed / 1e9:.3g} GB or more, but there are"
-            f" {there / 1e9:.3g} GB. Use sparse matrices where possible (sparse=True, count=), or fewer elements.",
+            f" {available / 1e9:.3g} GB. Use sparse matrices where possible (sparse=True, count=), or fewer elements.",
         )
     return model
 
@@ -440,14 +447,14 @@ def memory() -> float:
         return float("inf")
 
 
-def _instead(name: str, there: list[str], thing: str) -> str:
+def _instead(name: str, existing: list[str], kind: str) -> str:
     """End of a message on an unknown name: the nearest names, or some of the existing ones."""
-    names = list(dict.fromkeys(there))
-    near = difflib.get_close_matches(str(name), names, 3, 0.5)
-    if near:
-        return f"; did you mean {' or '.join(map(repr, near))}?"
+    names = list(dict.fromkeys(existing))
+    similar = difflib.get_close_matches(str(name), names, 3, 0.5)
+    if similar:
+        return f"; did you mean {' or '.join(map(repr, similar))}?"
     names = [name for name in names if not name.endswith((".rotation", ".internal", ".warping"))]
-    return f"; it has {among(names)}" if names else f"; it has no {thing}"
+    return f"; it has {among(names)}" if names else f"; it has no {kind}"
 
 
 def _list(indices: Array) -> list[int]:

@@ -8,7 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from ..arguments import check_numbers, is_concrete, nan_if_refused, shown
+from ..arguments import check_numbers, is_concrete, nan_if_refused, short_repr
 from ..elements.sections import Rectangle
 from ..errors import ModelError
 from .parameters import Parameters
@@ -32,32 +32,34 @@ def with_property(
 ) -> Parameters:
     """Parameters with other numbers for a property; see :meth:`flexmb.model.model.Model.with_property`."""
     if not isinstance(path, str):
-        raise ModelError(f"Argument `path` must name a property, such as 'section.thickness', but is {shown(path)}.")
+        raise ModelError(
+            f"Argument `path` must name a property, such as 'section.thickness', but is {short_repr(path)}."
+        )
     keys = path.split(".")
     stacks = [stack for stack in _stacks(topology, parameters, labels) if _is_number(stack.properties, keys)]
     having = {name for stack in stacks for name in stack.names}
-    wanted = [name for name, *_ in labels.elements if name in having] if elements is None else list(elements)
-    if strangers := [name for name in wanted if name not in having]:
+    targets = [name for name, *_ in labels.elements if name in having] if elements is None else list(elements)
+    if strangers := [name for name in targets if name not in having]:
         raise ModelError(f"Element '{strangers[0]}' has no property '{path}' that is one number.")
-    if elements is not None and not wanted:
+    if elements is not None and not targets:
         raise ModelError("Argument `elements` is empty: name elements, or leave it out for all with the property.")
-    if not wanted:
+    if not targets:
         raise ModelError(f"No element of this model has a property '{path}' that is one number.")
-    place = {name: i for i, name in enumerate(wanted)}
-    if len(place) < len(wanted):
+    place = {name: i for i, name in enumerate(targets)}
+    if len(place) < len(targets):
         raise ModelError("Argument `elements` names an element twice.")
-    numbers = _numbers(path, values, len(wanted))
+    numbers = _numbers(path, values, len(targets))
     if len(keys) == 2 and keys[0] == "section" and keys[1] in SIZES:
         # What is traced equals nothing, unless it is one number for all.
-        known = numbers if is_concrete(numbers) else np.full(len(wanted), np.nan)
-        given = [values] * len(wanted) if np.ndim(values) == 0 else known
-        _check_steps(topology, parameters, labels, keys[1], dict(zip(wanted, given, strict=True)))
+        known = numbers if is_concrete(numbers) else np.full(len(targets), np.nan)
+        sizes = [values] * len(targets) if np.ndim(values) == 0 else known
+        _check_steps(topology, parameters, labels, keys[1], dict(zip(targets, sizes, strict=True)))
     properties: list[dict[str, Any]] = list(parameters.properties)
-    for block, kind, names, own in stacks:
+    for block, kind, names, stacked in stacks:
         rows = [row for row, name in enumerate(names) if name in place]
         if not rows:
             continue
-        changed = _put(own, keys, np.array(rows), numbers[np.array([place[names[row]] for row in rows])])
+        changed = _put(stacked, keys, np.array(rows), numbers[np.array([place[names[row]] for row in rows])])
         section = changed.get("section")
         with nan_if_refused() as marked:
             if section is not None and (faults := section.faults()):
@@ -82,18 +84,20 @@ def _check_steps(topology: Topology, parameters: Parameters, labels: Any, size: 
             continue
         clamped, section = stack.properties["clamped"], stack.properties["section"]
         for row, name in enumerate(stack.names):
-            own = [getattr(section, key)[row] for key in SIZES] if isinstance(section, Rectangle) else [None, None]
-            number = numbers.get(name, own[SIZES.index(size)])
+            sizes = [getattr(section, key)[row] for key in SIZES] if isinstance(section, Rectangle) else [None, None]
+            number = numbers.get(name, sizes[SIZES.index(size)])
             for end, node in enumerate(ends_of[name]):
                 goes_on = stepped = True
-                if is_concrete((clamped, own)):
-                    goes_on, stepped = _goes_on(np.asarray(clamped[row]), end, own)
+                if is_concrete((clamped, sizes)):
+                    goes_on, stepped = _goes_on(np.asarray(clamped[row]), end, sizes)
                 meeting.setdefault(node, {})[name] = goes_on, stepped, number
     for ends in meeting.values():
         if len(ends) != 2 or not numbers.keys() & ends.keys() or not all(goes_on for goes_on, *_ in ends.values()):
             continue
-        one, other = (number for *_, number in ends.values())
-        alike = one is other or (None not in (one, other) and is_concrete((one, other)) and float(one) == float(other))
+        first, other = (number for *_, number in ends.values())
+        alike = first is other or (
+            None not in (first, other) and is_concrete((first, other)) and float(first) == float(other)
+        )
         if not alike or any(stepped for _, stepped, _ in ends.values()):
             raise ModelError(
                 f"Leaf springs {' and '.join(map(repr, ends))} are in line. Only build() finds a step between their"
@@ -101,11 +105,11 @@ def _check_steps(topology: Topology, parameters: Parameters, labels: Any, size: 
             )
 
 
-def _goes_on(clamped: np.ndarray, end: int, own: list[Any]) -> tuple[bool, bool]:
+def _goes_on(clamped: np.ndarray, end: int, sizes: list[Any]) -> tuple[bool, bool]:
     """Whether an end of a leaf spring goes on in line, as far as known, and whether there is a step."""
     if clamped.ndim == 1:
         return bool(clamped[end] == 0), False
-    stepped = len(clamped) > 2 and any(one != size for one, size in zip(clamped[2:, end], own, strict=True))
+    stepped = len(clamped) > 2 and any(value != size for value, size in zip(clamped[2:, end], sizes, strict=True))
     return bool(stepped or clamped[0, end] == 0 or clamped[1, end] > 0), stepped
 
 
@@ -118,14 +122,14 @@ def _numbers(path: str, values: Any, count: int) -> Any:
 
 
 def _stacks(topology: Topology, parameters: Parameters, labels: Any) -> Iterator[_Stack]:
-    for i, (block, own) in enumerate(zip(topology.blocks, parameters.properties, strict=True)):
+    for i, (block, properties) in enumerate(zip(topology.blocks, parameters.properties, strict=True)):
         if not block.e.shape[1]:  # Such as masses, which have no names.
             continue
         names = [labels.e[i].of for i in np.asarray(block.e)[:, 0]]
-        if not isinstance(own.get("section"), tuple):
-            yield _Stack(i, None, names, own)
+        if not isinstance(properties.get("section"), tuple):
+            yield _Stack(i, None, names, properties)
             continue
-        for kind, section in enumerate(own["section"]):
+        for kind, section in enumerate(properties["section"]):
             count = jax.tree.leaves(section)[0].shape[0]
             yield _Stack(i, kind, names[:count], {"section": section})
             names = names[count:]

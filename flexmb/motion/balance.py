@@ -21,7 +21,7 @@ from .chain_form import ChainForm
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
 from .protocol import MotionState
-from .stages import Taken, between, hermite, z_within
+from .stages import StepResult, hermite, state_within_step, z_within
 
 # Gauss-Legendre places in a step, and their weights.
 PLACES, WEIGHTS = (np.polynomial.legendre.leggauss(4)[0] + 1) / 2, np.polynomial.legendre.leggauss(4)[1] / 2
@@ -95,7 +95,7 @@ def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> F
     return e @ form.elastic_stress(e) / 2
 
 
-def kinetic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
+def energy_from_residual(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
     """Kinetic energy [J], from the residual, which is linear in the accelerations."""
     n, none = equations.size - equations.states, jnp.zeros(equations.unknowns)
     w = state.w[:n]
@@ -113,19 +113,23 @@ class StepError(NamedTuple):
 
 
 def balanced_error(
-    equations: Any, times: tuple[Any, Any], states: tuple[MotionState, MotionState], z: Float[Array, "r"], taken: Taken
+    equations: Any,
+    times: tuple[Any, Any],
+    states: tuple[MotionState, MotionState],
+    z: Float[Array, "r"],
+    taken: StepResult,
 ) -> StepError:
     """Error of a Rosenbrock step with its energy balance; `z` are accelerations and multipliers at its begin."""
     (t0, t1), n = times, states[0].u.shape[0]
-    h, rates, own = t1 - t0, (z[:n], taken.z[:n]), slice(n - equations.states)
+    h, rates, mechanism_rows = t1 - t0, (z[:n], taken.z[:n]), slice(n - equations.states)
 
     def at(share: Float[Array, ""]):
         t = t0 + share * h
-        state, rate = jax.jvp(lambda t: between(times, states, rates, t), (t,), (jnp.ones_like(t),))
+        state, rate = jax.jvp(lambda t: state_within_step(times, states, rates, t), (t,), (jnp.ones_like(t),))
         return t, state, jnp.append(rate.w, z_within((z, taken.z), taken.bows, share)[n:])
 
-    mass, w = jnp.asarray(taken.mass), states[1].w[own]
-    energy = w @ mass[own, own] @ w / 2 + elastic_energy(equations, t1, states[1])
+    mass, w = jnp.asarray(taken.mass), states[1].w[mechanism_rows]
+    energy = w @ mass[mechanism_rows, mechanism_rows] @ w / 2 + elastic_energy(equations, t1, states[1])
     return StepError(taken.error, gained_along(equations, h, at), energy, jnp.trace(mass) / 2)
 
 

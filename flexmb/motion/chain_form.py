@@ -58,8 +58,10 @@ class ElementTangent(NamedTuple):
 
     def solver(self, step: Any) -> Callable[[Float[Array, "r"]], Float[Array, "r"]]:
         """Function that solves with R_z + step R_w + step^2 R_u."""
-        pieces = tuple(z + step * (w + step * u) for z, w, u in zip(self.by_z, self.by_w, self.by_u, strict=True))
-        return lambda right: solution(self.order, pieces, jnp.zeros_like(right), right)
+        element_matrices = tuple(
+            z + step * (w + step * u) for z, w, u in zip(self.by_z, self.by_w, self.by_u, strict=True)
+        )
+        return lambda right: solution(self.order, element_matrices, jnp.zeros_like(right), right)
 
     def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
         """R_w w + R_u u, (n + m,)."""
@@ -85,8 +87,8 @@ class ChainForm(CoordinatesForm):
 
         def stress(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             strain = strain_of(self.topology, self.parameters, drive.loads, e)
-            pieces = self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)
-            sigma = scatter_vector(e.shape[0], pieces)
+            element_stresses = self._pulled(self.stiffness, strain) + self._pulled(self.damping, ed)
+            sigma = scatter_vector(e.shape[0], element_stresses)
             for more in (drive.loads.prestress, drive.stress):
                 sigma = sigma if more is None else sigma + more
             return put(sigma, self.held, multipliers)
@@ -121,8 +123,10 @@ class ChainForm(CoordinatesForm):
         tangent_pieces = []
         for block, holds, derivative in zip(self.elements, self.order.holds, derivatives, strict=True):
             size = sizes[block.x]
-            both = size[:, :, None] * size[:, None, :]
-            by_z, by_w, by_u = (both * matrix for matrix in (derivative.mass, derivative.by_v, derivative.by_x))
+            size_products = size[:, :, None] * size[:, None, :]
+            by_z, by_w, by_u = (
+                size_products * matrix for matrix in (derivative.mass, derivative.by_v, derivative.by_x)
+            )
             if holds:
                 rows: Any = (derivative.e, derivative.ed, derivative.edd)
                 e, ed, edd = (row * size[:, None, :] for row in rows)
@@ -130,7 +134,7 @@ class ChainForm(CoordinatesForm):
                 by_w, by_u = _bordered(by_w, 2 * ed), _bordered(by_u, edd)
             tangent_pieces.append((by_z, by_w, by_u))
         by_t = by_time(self, t, state, z) if self.driven else None
-        by_z, by_w, by_u = (tuple(pieces) for pieces in zip(*tangent_pieces, strict=True))
+        by_z, by_w, by_u = (tuple(element_matrices) for element_matrices in zip(*tangent_pieces, strict=True))
         return ElementTangent(self.order, by_z, by_w, by_u, by_t, self.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
@@ -147,12 +151,12 @@ class ChainForm(CoordinatesForm):
         solve = self.tangent(t, state, z).solver(0.0)
 
         def corrected(z: Float[Array, "r"], _: None):
-            left = self.residual(t, state, z)
-            return z - solve(left), jnp.max(jnp.abs(left))
+            residual = self.residual(t, state, z)
+            return z - solve(residual), jnp.max(jnp.abs(residual))
 
         # The second step removes the effect of the corner on redundant constraints; a singular system leaves more.
-        z, left = jax.lax.scan(corrected, z, None, length=3)
-        return z, jnp.all(jnp.isfinite(z)) & (left[2] <= CHAIN_RESIDUAL * left[0])
+        z, residual_sizes = jax.lax.scan(corrected, z, None, length=3)
+        return z, jnp.all(jnp.isfinite(z)) & (residual_sizes[2] <= CHAIN_RESIDUAL * residual_sizes[0])
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
@@ -166,7 +170,7 @@ class ChainForm(CoordinatesForm):
         def corrected(_: Array, moving: tuple[Array, Array]):
             at = self.whole(t, moving[0], moving[1], jnp.zeros(n))
             deformed_blocks = deformed_elements(self.elements, at.x, self.near(state.memory))
-            pieces, rates = [], []
+            element_matrices, rates = [], []
             for block, holds, deformed in zip(self.elements, self.order.holds, deformed_blocks, strict=True):
                 k = block.x.shape[1]
                 square = jnp.zeros((block.x.shape[0], k, k))
@@ -175,11 +179,11 @@ class ChainForm(CoordinatesForm):
                     if holds:
                         rows = deformed[1] * sizes[block.x][:, None, :]
                         square = _bordered(square, rows, rows.mT, self._corner(block, rows))
-                pieces.append(square)
+                element_matrices.append(square)
             e = strained(self.elements, at.x, self.near(state.memory))
             ed = scatter_vector(e.shape[0], rates)
             back = [
-                solution(self.order, tuple(pieces), masses, jnp.append(jnp.zeros(n), excess))[:n]
+                solution(self.order, tuple(element_matrices), masses, jnp.append(jnp.zeros(n), excess))[:n]
                 for excess in (e[self.held] - at.e, ed[self.held] - at.ed)
             ]
             return moving[0] - back[0], moving[1] - back[1]
@@ -196,9 +200,9 @@ def chain_form(model: Model, driven: tuple[Driven, ...], order: SparseOrder) -> 
     form = dataclasses.replace(coordinates_form(topology, parameters, driven), S=jnp.zeros((0, 0)), S_d=None)
 
     def of_blocks(companion: str) -> tuple[Any, ...]:
-        pieces = iter(stiffness_pieces(topology, parameters, companion))
+        element_matrices = iter(stiffness_pieces(topology, parameters, companion))
         moving = {id(block) for block in moving_blocks(topology)}
-        matrices = [next(pieces)[2] if companion in block.companions else None for block in topology.blocks]
+        matrices = [next(element_matrices)[2] if companion in block.companions else None for block in topology.blocks]
         return tuple(matrix for matrix, block in zip(matrices, topology.blocks, strict=True) if id(block) in moving)
 
     fields = {field.name: getattr(form, field.name) for field in dataclasses.fields(form)}

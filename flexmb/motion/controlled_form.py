@@ -158,16 +158,16 @@ class ControlledForm(Record):
     def regular(self, by_z: Float[Array, "r r"]):
         """Whether every motion of the mechanism carries mass."""
         n = self.form.size
-        kept = np.r_[:n, self.size : by_z.shape[0]]
-        return self.form.regular(by_z[kept[:, None], kept])
+        mechanism_rows = np.r_[:n, self.size : by_z.shape[0]]
+        return self.form.regular(by_z[mechanism_rows[:, None], mechanism_rows])
 
     def _split(self, state: MotionState, z: Float[Array, "r"] | None = None) -> tuple[MotionState, Array, Any, Any]:
         """Mechanism's state, controller's states, mechanism's accelerations and multipliers, controller's rates."""
         n = self.form.size
-        own = MotionState(state.u[:n], state.w[:n], state.memory)
+        mechanism_state = MotionState(state.u[:n], state.w[:n], state.memory)
         if z is None:
-            return own, state.w[n:], None, None
-        return own, state.w[n:], jnp.concatenate([z[:n], z[self.size :]]), z[n : self.size]
+            return mechanism_state, state.w[n:], None, None
+        return mechanism_state, state.w[n:], jnp.concatenate([z[:n], z[self.size :]]), z[n : self.size]
 
     def _joined(self, mechanism: Float[Array, "r *k"], controller: Float[Array, "n_z *k"]):
         """Rows of the mechanism's coordinates, of the controller, of the constraints."""
@@ -178,12 +178,12 @@ class ControlledForm(Record):
         self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
     ) -> MotionState:
         """State of nodal coordinates, with the controller at its start."""
-        own = self.form.state_of(x, xd, near)
+        mechanism_state = self.form.state_of(x, xd, near)
         if not self.states:
-            return own
+            return mechanism_state
         start: Any = self.feedback.start
-        u, w = jnp.concatenate([own.u, jnp.zeros(self.states)]), jnp.concatenate([own.w, start])
-        return MotionState(u, w, own.memory)
+        u, w = jnp.concatenate([mechanism_state.u, jnp.zeros(self.states)]), jnp.concatenate([mechanism_state.w, start])
+        return MotionState(u, w, mechanism_state.memory)
 
     def measured(
         self,
@@ -199,9 +199,9 @@ class ControlledForm(Record):
         parts = jnp.array(values, float)
         return parts if self.places.read is None else self.places.read @ parts
 
-    def _late(self, t: Float[Array, ""], own: MotionState, z: Any, u: Any):
+    def _late(self, t: Float[Array, ""], mechanism_state: MotionState, z: Any, u: Any):
         """Parts of outputs that depend on accelerations and multipliers."""
-        kin, sigma, force, at = self._driven(u).forces(t, own, z)
+        kin, sigma, force, at = self._driven(u).forces(t, mechanism_state, z)
         sources = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
         values = []
         for i in self.places.late:
@@ -215,14 +215,14 @@ class ControlledForm(Record):
             values.append(row @ at.a[turning] if "acceleration" in quantity else row @ force[turning] / 4)
         return jnp.stack(values)
 
-    def _early(self, t: Float[Array, ""], own: MotionState) -> list[Any]:
+    def _early(self, t: Float[Array, ""], mechanism_state: MotionState) -> list[Any]:
         """Parts of outputs that depend on the state alone; zero for the others."""
-        at = self.form.whole(t, own.u, own.w, jnp.zeros(self.form.size))
+        at = self.form.whole(t, mechanism_state.u, mechanism_state.w, jnp.zeros(self.form.size))
         top, parameters = self.form.topology, self.form.parameters
         e = ed = jnp.zeros(top.n_e)
         if any("deformation" in quantity for quantity in self.places.quantities):
-            near = self.form.near(own.memory)
-            e, ed = jax.jvp(lambda x: deformations(top, parameters, x, near), (at.x,), (at.v,))
+            last_strain = self.form.near(mechanism_state.memory)
+            e, ed = jax.jvp(lambda x: deformations(top, parameters, x, last_strain), (at.x,), (at.v,))
         moved = at.x - parameters.reference
         sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
         values = []
@@ -261,15 +261,21 @@ class ControlledForm(Record):
         """Inputs of the mechanism."""
         return jnp.atleast_1d(jnp.asarray(self.feedback.output(t, states, y), float))
 
-    def _closed(self, t: Float[Array, ""], own: MotionState, states: Float[Array, "n_z"], z: Float[Array, "r"] | None):
+    def _closed(
+        self,
+        t: Float[Array, ""],
+        mechanism_state: MotionState,
+        states: Float[Array, "n_z"],
+        z: Float[Array, "r"] | None,
+    ):
         """Return outputs and inputs at one time, solved together if they depend on each other."""
         if not self.places.late:
-            y = self.measured(t, own)
+            y = self.measured(t, mechanism_state)
             return y, self._inputs(t, states, y)
 
         def seen(u: Float[Array, "n_u"]):
-            accelerations = self._driven(u).acceleration(t, own)[0] if z is None else z
-            y = self.measured(t, own, accelerations, u)
+            accelerations = self._driven(u).acceleration(t, mechanism_state)[0] if z is None else z
+            y = self.measured(t, mechanism_state, accelerations, u)
             return y, y
 
         # At given positions and velocities, outputs are linear in the inputs.
@@ -279,11 +285,11 @@ class ControlledForm(Record):
         by_input, at_none = jax.jacfwd(seen, has_aux=True)(none)
 
         def closer(_: Array, u: Float[Array, "n_u"]):
-            def left(u: Float[Array, "n_u"]):
+            def excess_of(u: Float[Array, "n_u"]):
                 excess = u - self._inputs(t, states, at_none + by_input @ u)
                 return excess, excess
 
-            slope, excess = jax.jacfwd(left, has_aux=True)(u)
+            slope, excess = jax.jacfwd(excess_of, has_aux=True)(u)
             return u - factorise(slope).solve(excess)
 
         u = jax.lax.fori_loop(0, CLOSING, closer, none)
@@ -291,20 +297,20 @@ class ControlledForm(Record):
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Return the residual of the mechanism and of the controller."""
-        own, states, own_z, rates = self._split(state, z)
-        y, u = self._closed(t, own, states, own_z)
-        mechanism = self._driven(u).residual(t, own, own_z)
+        mechanism_state, states, mechanism_z, rates = self._split(state, z)
+        y, u = self._closed(t, mechanism_state, states, mechanism_z)
+        mechanism = self._driven(u).residual(t, mechanism_state, mechanism_z)
         controller = jnp.asarray(rates) - self._rate(t, states, y) if self.states else rates
         return self._joined(mechanism, controller)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Return the derivatives of the residual, by the chain rule through outputs and controller."""
-        own, states, own_z, _ = self._split(state, z)
+        mechanism_state, states, mechanism_z, _ = self._split(state, z)
         n, k = self.form.size, self.states
-        y, u = self._closed(t, own, states, own_z)
-        at = self._driven(u).tangent(t, own, own_z)
-        by_input = jax.jacfwd(lambda u: self._driven(u).residual(t, own, own_z))(u)
-        y_by, u_by = self._closed_derivatives(t, own, states, own_z, y, u)
+        y, u = self._closed(t, mechanism_state, states, mechanism_z)
+        at = self._driven(u).tangent(t, mechanism_state, mechanism_z)
+        by_input = jax.jacfwd(lambda u: self._driven(u).residual(t, mechanism_state, mechanism_z))(u)
+        y_by, u_by = self._closed_derivatives(t, mechanism_state, states, mechanism_z, y, u)
         r_by_states, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
         if k:
             r_by_states, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
@@ -316,10 +322,12 @@ class ControlledForm(Record):
         controller_u = jnp.concatenate([controller[0], jnp.zeros((k, k))], axis=1)
         controller_w = jnp.concatenate([controller[1], controller[2] - r_by_states], axis=1)
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
-        kept = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
-        by_z = by_z.at[kept[:, None], kept].set(at.by_z + mechanism[3] if self.places.late else at.by_z)
+        mechanism_rows = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
+        by_z = by_z.at[mechanism_rows[:, None], mechanism_rows].set(
+            at.by_z + mechanism[3] if self.places.late else at.by_z
+        )
         if self.places.late:
-            by_z = by_z.at[(n + jnp.arange(k))[:, None], kept].set(controller[3])
+            by_z = by_z.at[(n + jnp.arange(k))[:, None], mechanism_rows].set(controller[3])
         return Tangent(
             self._joined(mechanism_u, controller_u),
             self._joined(mechanism_w, controller_w),
@@ -330,7 +338,7 @@ class ControlledForm(Record):
     def _closed_derivatives(
         self,
         t: Float[Array, ""],
-        own: MotionState,
+        mechanism_state: MotionState,
         states: Float[Array, "n_z"],
         z: Float[Array, "r"],
         y: Float[Array, "n_y"],
@@ -338,7 +346,7 @@ class ControlledForm(Record):
     ) -> tuple[list[Array], list[Array]]:
         """Return derivatives of outputs and inputs by positions, velocities, states, and accelerations if needed."""
         u_by_states, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
-        by_u, by_w, by_z, by_input = self._measured_derivatives(t, own, z, u)
+        by_u, by_w, by_z, by_input = self._measured_derivatives(t, mechanism_state, z, u)
         y_by = [by_u, by_w, jnp.zeros((len(y), self.states)), *([] if by_z is None else [by_z])]
         u_by = [u_by_y @ derivative for derivative in y_by]
         u_by[2] = u_by_states
@@ -351,17 +359,17 @@ class ControlledForm(Record):
     def _measured_derivatives(
         self,
         t: Float[Array, ""],
-        own: MotionState,
+        mechanism_state: MotionState,
         z: Float[Array, "r"] | None = None,
         u: Float[Array, "n_u"] | None = None,
     ):
         """Return derivatives of outputs by positions and velocities; for late outputs also by `z` and inputs."""
 
         def early(position: Float[Array, "n"], velocity: Float[Array, "n"]):
-            return jnp.array(self._early(t, own._replace(u=position, w=velocity)), float)
+            return jnp.array(self._early(t, mechanism_state._replace(u=position, w=velocity)), float)
 
         # Reverse mode, since there are few outputs.
-        by_u, by_w = jax.jacrev(early, (0, 1))(own.u, own.w)
+        by_u, by_w = jax.jacrev(early, (0, 1))(mechanism_state.u, mechanism_state.w)
         by_z = by_input = None
         if self.places.late:
             late = np.array(self.places.late)
@@ -369,9 +377,9 @@ class ControlledForm(Record):
             def late_parts(
                 u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]
             ):
-                return self._late(t, own._replace(u=u, w=w), z, inputs)
+                return self._late(t, mechanism_state._replace(u=u, w=w), z, inputs)
 
-            rows = jax.jacfwd(late_parts, (0, 1, 2, 3))(own.u, own.w, z, u)
+            rows = jax.jacfwd(late_parts, (0, 1, 2, 3))(mechanism_state.u, mechanism_state.w, z, u)
             none = [jnp.zeros((by_u.shape[0], row.shape[1])) for row in rows[2:]]
             by_u, by_w, by_z, by_input = (
                 matrix.at[late].set(row) for matrix, row in zip((by_u, by_w, *none), rows, strict=True)
@@ -381,9 +389,9 @@ class ControlledForm(Record):
 
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""
-        own, states, _, _ = self._split(state)
-        y, u = self._closed(t, own, states, None)
-        z, regular = self._driven(u).acceleration(t, own)
+        mechanism_state, states, _, _ = self._split(state)
+        y, u = self._closed(t, mechanism_state, states, None)
+        z, regular = self._driven(u).acceleration(t, mechanism_state)
         return self._joined(z, self._rate(t, states, y) if self.states else jnp.zeros(0)), regular
 
     def gap(self, t: Float[Array, ""], state: MotionState):
@@ -392,16 +400,20 @@ class ControlledForm(Record):
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rate of the mechanism's memory."""
-        own, _, own_z, _ = self._split(state, z)
-        return self.form.rate_of_memory(t, own, own_z)
+        mechanism_state, _, mechanism_z, _ = self._split(state, z)
+        return self.form.rate_of_memory(t, mechanism_state, mechanism_z)
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Return the state with the mechanism projected onto its constraints; the controller keeps its state."""
         n = self.form.size
-        own = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
-        return MotionState(jnp.concatenate([own.u, state.u[n:]]), jnp.concatenate([own.w, state.w[n:]]), own.memory)
+        mechanism_state = self.form.settle(t, self._split(state)[0], None if mass is None else mass[:n, :n])
+        return MotionState(
+            jnp.concatenate([mechanism_state.u, state.u[n:]]),
+            jnp.concatenate([mechanism_state.w, state.w[n:]]),
+            mechanism_state.memory,
+        )
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state, and the controller's inputs."""
-        own, z, _, _ = self._split(state)
-        return self.form.whole_motion(t, own)._replace(u=self._closed(t, own, z, None)[1])
+        mechanism_state, z, _, _ = self._split(state)
+        return self.form.whole_motion(t, mechanism_state)._replace(u=self._closed(t, mechanism_state, z, None)[1])

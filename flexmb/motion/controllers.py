@@ -140,8 +140,8 @@ def windup_of(a: Any, c: Any, sampled: bool) -> Any:
         return unknown
     if not is_concrete(c):
         # Real vectors with the same span.
-        both: Any = np.concatenate([np.real(v), np.imag(v)], axis=1)
-        basis = np.linalg.svd(both)[0][:, : v.shape[1]]
+        real_and_imaginary: Any = np.concatenate([np.real(v), np.imag(v)], axis=1)
+        basis = np.linalg.svd(real_and_imaginary)[0][:, : v.shape[1]]
         return basis @ jnp.linalg.pinv(c @ basis)
     seen = np.asarray(c) @ v
     if np.linalg.matrix_rank(seen) < v.shape[1]:
@@ -164,7 +164,7 @@ def controller_of(control: Any) -> Feedback | Sampled:
     )
 
 
-def placed(names: tuple[str, ...] | None, there: Sequence[str], what: str) -> list[int] | None:
+def signal_places(names: tuple[str, ...] | None, there: Sequence[str], what: str) -> list[int] | None:
     """Places of a controller's signals among the mechanism's, by name; None if no name is the mechanism's."""
     # Names in python-control have no dots.
     known = {name.replace(".", " "): i for i, name in enumerate(there)}
@@ -184,7 +184,7 @@ def check_sizes(system: Any, inputs: Sequence[str], outputs: Sequence[str]) -> N
     """Raise ModelError for a linear system that is not connected by name and has other sizes than the mechanism."""
     matrices, _, reads, drives = matrices_of(system)
     shape = np.shape(matrices[3])
-    by_name = placed(reads, outputs, "output"), placed(drives, inputs, "input")
+    by_name = signal_places(reads, outputs, "output"), signal_places(drives, inputs, "input")
     sizes = zip(by_name, shape[::-1], (outputs, inputs), strict=True)
     if any(places is None and size != len(names) for places, size, names in sizes):
         raise ModelError(
@@ -200,10 +200,10 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
     Its signals are matched by name if it has the mechanism's names, else by order. `seen` maps time and outputs of the
     mechanism to what the controller reads.
     """
-    reads = placed(controller.reads, outputs, "output")
-    drives = placed(controller.drives, inputs, "input")
+    reads = signal_places(controller.reads, outputs, "output")
+    drives = signal_places(controller.drives, inputs, "input")
 
-    def given(t: Float[Array, ""], y: Float[Array, "n_y"]):
+    def signals_read(t: Float[Array, ""], y: Float[Array, "n_y"]):
         y = seen(t, y)
         return y if reads is None else y[np.array(reads)]
 
@@ -217,10 +217,14 @@ def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Se
         step = controller.step
 
         def sampled(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
-            result = step(t, z, given(t, y))
+            result = step(t, z, signals_read(t, y))
             return (everywhere(result[0]), *result[1:]) if isinstance(result, tuple) and result else result
 
         return dataclasses.replace(controller, step=sampled)
     output, rate = controller.output, controller.rate
-    follows = None if rate is None else lambda t, z, y: returned("The controller's rate", rate(t, z, given(t, y)))
-    return dataclasses.replace(controller, output=lambda t, z, y: everywhere(output(t, z, given(t, y))), rate=follows)
+    follows = (
+        None if rate is None else lambda t, z, y: returned("The controller's rate", rate(t, z, signals_read(t, y)))
+    )
+    return dataclasses.replace(
+        controller, output=lambda t, z, y: everywhere(output(t, z, signals_read(t, y))), rate=follows
+    )

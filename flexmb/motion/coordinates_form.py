@@ -12,8 +12,8 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import TRUSTED, accumulate, put
 from ..math.linear import factorise, is_positive_definite
-from ..mechanics.deformation import zero_near
-from ..mechanics.extent import sizes_of
+from ..mechanics.deformation import zero_strain
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix, uniform_motion
 from ..mechanics.loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
 from ..mechanics.stress_resultants import (
@@ -36,7 +36,7 @@ from .element_forces import (
     PreparedBlock,
     acting_forces,
     acting_matrices,
-    deformed,
+    deformations_and_slopes,
     force_derivatives,
     heaviness,
     prepared_blocks,
@@ -112,7 +112,7 @@ class CoordinatesForm(Record):
         """State of nodal coordinates; the memory stores all deformations if an element counts turns."""
         memory = jnp.zeros(0)
         if self.topology.counts_turns:
-            guess = zero_near(self.topology) if near is None else near
+            guess = zero_strain(self.topology) if near is None else near
             memory = strained(self.elements, x, guess)
         moved = (x - self.parameters.reference)[self.free] / self.sizes
         return MotionState(moved, xd[self.free] / self.sizes, memory)
@@ -158,10 +158,10 @@ class CoordinatesForm(Record):
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        near = state.memory
-        if not near.shape[0]:
-            near = strained(self.elements, at.x, zero_near(self.topology))
-        return WholeMotion(at.x, at.v, near, jnp.zeros(0))
+        last_strain = state.memory
+        if not last_strain.shape[0]:
+            last_strain = strained(self.elements, at.x, zero_strain(self.topology))
+        return WholeMotion(at.x, at.v, last_strain, jnp.zeros(0))
 
     def placed(
         self,
@@ -205,8 +205,10 @@ class CoordinatesForm(Record):
 
     def loose_tangents(self, t: Float[Array, ""], e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
         """:meth:`tangents`, zero for held deformations, whose multipliers are unknowns."""
-        held = (self.held_place > 0)[:, None]
-        return [None if matrix is None else jnp.where(held, 0.0, matrix) for matrix in self.tangents(t, e, ed)]
+        is_constrained = (self.held_place > 0)[:, None]
+        return [
+            None if matrix is None else jnp.where(is_constrained, 0.0, matrix) for matrix in self.tangents(t, e, ed)
+        ]
 
     def tangents_at(
         self, t: Float[Array, ""], x: Float[Array, "n_x"], v: Float[Array, "n_x"], near: Float[Array, "n_e"]
@@ -214,13 +216,13 @@ class CoordinatesForm(Record):
         """:meth:`tangents` at a state of motion, with zeros in place of None."""
         stiffness, damping = self.S, self.S_d
         if is_nonlinear(self.topology):
-            e, jacobian = deformed(self.elements, x, near)
+            e, jacobian = deformations_and_slopes(self.elements, x, near)
             stiffness, damping = self.tangents(t, e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
     def near(self, memory: Float[Array, "k"]) -> Float[Array, "n_e"]:
         """Deformations at the last accepted state; zero if no turns are counted."""
-        return memory if memory.shape[0] else zero_near(self.topology)
+        return memory if memory.shape[0] else zero_strain(self.topology)
 
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
@@ -260,8 +262,8 @@ class CoordinatesForm(Record):
         return matrix[self.held][:, self.free] * self.sizes
 
     def system(self, mass: Float[Array, "n n"], rows: Float[Array, "m n"]):
-        """:func:`bordered` with the mobility of the mechanism."""
-        return bordered(mass, rows, self.mobility)
+        """:func:`constrained_mass` with the mobility of the mechanism."""
+        return constrained_mass(mass, rows, self.mobility)
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of :meth:`residual`, element by element (THEORY.md 6)."""
@@ -306,19 +308,19 @@ class CoordinatesForm(Record):
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
-        return deformed(self.elements, at.x, state.memory)[1] @ at.v
+        return deformations_and_slopes(self.elements, at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """State brought back onto D = e and D_x v = e_dot (THEORY.md 9, eq. (9.3)), by a mass or the undeformed one."""
         u, w = state.u, state.w
-        near = self.near(state.memory)
+        last_strain = self.near(state.memory)
         zero = jnp.zeros_like(u)
         if self.held.shape[0]:
 
             def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
                 at = self.whole(t, u, w, zero)
-                e, jacobian = deformed(self.elements, at.x, near)
+                e, jacobian = deformations_and_slopes(self.elements, at.x, last_strain)
                 of_both = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
                 return of_both, self.columns(jacobian)
 
@@ -343,28 +345,30 @@ class CoordinatesForm(Record):
         """Mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end."""
         (t0, t1), zero = times, jnp.zeros(self.size)
         begin, end = (self.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
-        middle, near = (t0 + t1) / 2, self.near(states[0].memory)
+        middle, last_strain = (t0 + t1) / 2, self.near(states[0].memory)
         stress = self.stress_of(middle, multipliers)
         sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
-        force, after = step_forces(self.elements, (begin, end), t1 - t0, rates, self.falling, near, sizes, stress)
+        force, after = step_forces(
+            self.elements, (begin, end), t1 - t0, rates, self.falling, last_strain, sizes, stress
+        )
         force = force - self.applied(middle, (begin + end) / 2)
         return force[self.free] * self.sizes, after
 
     def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
         """Allowed velocities closest to given rates of the inertia vectors, in the norm of the kinetic energy."""
-        n, near = self.size, self.near(state.memory)
+        n, last_strain = self.size, self.near(state.memory)
         at = self.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
-        _, jacobian = deformed(self.elements, at.x, near)
+        _, jacobian = deformations_and_slopes(self.elements, at.x, last_strain)
         # The rates include driven coordinates, which are known.
-        driven = rates_of_inertia(self.elements, at.x, at.v, near)
-        undriven = jax.tree.map(lambda rate, given: rate - given, rates, driven)
-        momentum = momenta_of_inertia(self.elements, at.x, near, undriven)[self.free] * self.sizes
+        driven = rates_of_inertia(self.elements, at.x, at.v, last_strain)
+        undriven = jax.tree.map(lambda rate, known: rate - known, rates, driven)
+        momentum = momenta_of_inertia(self.elements, at.x, last_strain, undriven)[self.free] * self.sizes
         mass = self.scaled(mass_matrix(self.topology, self.parameters, at.x))
         right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[self.held]])
         return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
 
 
-def bordered(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"]):
+def constrained_mass(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"]):
     """Mass matrix with constraints, kept regular for redundant ones (THEORY.md 9 (b), eq. (9.2))."""
     corner = -REDUNDANT_COMPLIANCE * jnp.diag(rows**2 @ mobility)
     return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
@@ -373,13 +377,13 @@ def bordered(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Flo
 def solved_twice(
     mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"], residual: Float[Array, "r"]
 ) -> tuple[Float[Array, "r"], Float[Array, "r r"]]:
-    """Accelerations and multipliers for a residual at zero ones, and the matrix of :func:`bordered`."""
-    n, matrix = mass.shape[0], bordered(mass, rows, mobility)
+    """Accelerations and multipliers for a residual at zero ones, and the matrix of :func:`constrained_mass`."""
+    n, matrix = mass.shape[0], constrained_mass(mass, rows, mobility)
     factors = factorise(matrix)
     z = factors.solve(-residual)
     # The second step removes the error that the corner of redundant constraints causes in the others.
-    left = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-    return z - factors.solve(residual + left), matrix
+    left_side = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
+    return z - factors.solve(residual + left_side), matrix
 
 
 def onto_constraints(
@@ -398,14 +402,14 @@ def onto_constraints(
     def corrected(_: Array, moving: tuple[Array, Array]):
         missed, rows = excess(*moving)
         right = jnp.concatenate([jnp.zeros((n, 2)), missed])
-        change = factorise(bordered(heavy, rows, mobility)).solve(right)
+        change = factorise(constrained_mass(heavy, rows, mobility)).solve(right)
         return moving[0] - change[:n, 0], moving[1] - change[:n, 1]
 
     # The second step removes the error of the first, which is of second order.
     return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
-def places_of(size: int, chosen: Array) -> Int[Array, "size"]:
+def numbers_among(size: int, chosen: Array) -> Int[Array, "size"]:
     """Number of each of many things among the chosen ones, from 1; 0 for the others."""
     return put(jnp.zeros(size, int), chosen, jnp.arange(1, chosen.shape[0] + 1))
 
@@ -420,8 +424,8 @@ def coordinates_form(
     elements, mass = (), jnp.ones(free.shape[0])
     if whole:
         elements = prepared_blocks(topology, parameters)
-        mass = heaviness(elements, parameters.reference, zero_near(topology))[free]
-    sizes = jax.lax.stop_gradient(sizes_of(topology, parameters))[free]
+        mass = heaviness(elements, parameters.reference, zero_strain(topology))[free]
+    sizes = jax.lax.stop_gradient(coordinate_scales(topology, parameters))[free]
     mass = jax.lax.stop_gradient(mass) * sizes**2
     return CoordinatesForm(
         topology,
@@ -432,10 +436,10 @@ def coordinates_form(
         gravity,
         None if gravity is None else uniform_motion(topology, gravity),
         free,
-        places_of(topology.n_x, free),
+        numbers_among(topology.n_x, free),
         sizes,
         topology.e.held,
-        places_of(topology.n_e, topology.e.held),
+        numbers_among(topology.n_e, topology.e.held),
         1.0 / jnp.where(mass > 0, mass, jnp.max(mass)),
         driven,
     )

@@ -10,9 +10,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import check_numbers, check_real, is_concrete, shown
+from ..arguments import check_numbers, check_real, is_concrete, short_repr
 from ..checks.mobility import locked_inputs
-from ..compilation.program import Captured, captured, of_time
+from ..compilation.program import Captured, captured, captured_of_time
 from ..compilation.record import Record
 from ..display import among
 from ..elements.element import Element
@@ -73,17 +73,21 @@ def jump_times(drives: Drives, driven: tuple[Driven, ...]) -> Float[Array, "k"] 
         check_numbers("Argument `jumps`", drives.jumps)
         jumps = jnp.asarray(drives.jumps, float)
         if jumps.ndim != 1:
-            raise ValueError(f"Argument `jumps` must be a list of times, not {shown(drives.jumps)}.")
+            raise ValueError(f"Argument `jumps` must be a list of times, not {short_repr(drives.jumps)}.")
         kinks.append(jumps)
     return jnp.sort(jnp.concatenate(kinks)) if kinks else None
 
 
 def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
     """Functions of time with the indices that they drive; raise ModelError for unknown or wrong names."""
-    loads, motion, inputs = ({} if given is None else given for given in (drives.loads, drives.motion, drives.inputs))
-    for argument, given in (("loads", loads), ("motion", motion), ("inputs", inputs)):
-        if not isinstance(given, Mapping):
-            raise ModelError(f"Argument `{argument}` must be a dictionary of names and functions, not {shown(given)}.")
+    loads, motion, inputs = (
+        {} if functions is None else functions for functions in (drives.loads, drives.motion, drives.inputs)
+    )
+    for argument, functions in (("loads", loads), ("motion", motion), ("inputs", inputs)):
+        if not isinstance(functions, Mapping):
+            raise ModelError(
+                f"Argument `{argument}` must be a dictionary of names and functions, not {short_repr(functions)}."
+            )
     driven = [_load(model, name, value) for name, value in loads.items()]
     moved: dict[tuple[str, int], str] = {}
     for name, value in motion.items():
@@ -117,35 +121,35 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
 def _load(model: Model, name: str, value: Any) -> Driven:
     """A load by the name of a coordinate, a deformation, a node, a rotation in space, or a temperature."""
     labels = model.labels
-    nodes, what = labels.coordinates(name), f"Load '{name}'"
+    nodes, subject = labels.coordinates(name), f"Load '{name}'"
     if (place := labels.place(name)) is not None:
-        _check_acts(model, what, place[0], [place[1]])
+        _check_acts(model, subject, place[0], [place[1]])
     if (turned := labels.rotation_of(name)) is not None:
         indices, axis = turned
-        _check_acts(model, what, "x", indices)
+        _check_acts(model, subject, "x", indices)
         for holding in labels.holding(str(name)):
-            _check_acts(model, what, "e", [holding])
-        return _input(Signal(str(name), "moment", indices[0], axis), _function(what, value, 1), None)
+            _check_acts(model, subject, "e", [holding])
+        return _input(Signal(str(name), "moment", indices[0], axis), _function(subject, value, 1), None)
     if place is not None:
         kind, index = place
-        return Driven("force" if kind == "x" else "stress", jnp.array([index]), _function(what, value, 1))
+        return Driven("force" if kind == "x" else "stress", jnp.array([index]), _function(subject, value, 1))
     element, _, quantity = str(name).rpartition(".")
     if not nodes and quantity in ("temperature", "gradient") and element in [name for name, *_ in labels.elements]:
-        return _warmed(model, int(labels.deformations(element)[0]), element, quantity, what, value)
+        return _warmed(model, int(labels.deformations(element)[0]), element, quantity, subject, value)
     if not nodes:
-        there = among(labels.names(), str(name))
-        raise ModelError(f"{what} names no coordinate, deformation or node. There are: {there}.")
-    _check_acts(model, what, "x", nodes)
+        known = among(labels.names(), str(name))
+        raise ModelError(f"{subject} names no coordinate, deformation or node. There are: {known}.")
+    _check_acts(model, subject, "x", nodes)
     spatial = labels.dimension == 3 and labels.x[nodes[0]].kind == "rotation"
-    value = _function(what, value, 3 if spatial else len(nodes))
+    value = _function(subject, value, 3 if spatial else len(nodes))
     return Driven("moment" if spatial else "force", jnp.array(nodes), value)
 
 
-def _check_acts(model: Model, what: str, kind: str, indices: list[int]) -> None:
+def _check_acts(model: Model, load: str, kind: str, indices: list[int]) -> None:
     """Refuse a load on FIXED coordinates or deformations."""
     if is_concrete(model.topology) and set(indices) <= set(np.asarray(getattr(model.topology, kind).fixed).tolist()):
         raise ModelError(
-            f"{what} acts on a FIXED coordinate or deformation and has no effect. Let it act on one that can move, or"
+            f"{load} acts on a FIXED coordinate or deformation and has no effect. Let it act on one that can move, or"
             " leave it out."
         )
 
@@ -155,8 +159,8 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
     known = [signal.name for signal in model.labels.inputs]
     for name in inputs:
         if name not in known:
-            there = f"There are: {among(known, name)}." if known else "The model has none: name them with input()."
-            raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {there}")
+            hint = f"There are: {among(known, name)}." if known else "The model has none: name them with input()."
+            raise ModelError(f"Argument `inputs` names '{name}', which is no input of the model. {hint}")
     for signal in model.labels.inputs:
         moved = next((term for term in signal.terms if term.order is not None), None)
         if signal.name in inputs and moved is not None:
@@ -180,35 +184,41 @@ def _input(signal: Signal, value: Any, weight: Any) -> Driven:
     if weight is not None and isinstance(value, Table):
         value = Table(value.times, weight * jnp.asarray(value.values, float))
     elif weight is not None:
-        value = captured(lambda t, given=value: weight * given(t), jax.ShapeDtypeStruct((), float))
+        value = captured(lambda t, function=value: weight * function(t), jax.ShapeDtypeStruct((), float))
     if signal.axis is None:
         return Driven(signal.quantity, jnp.array([signal.index]), value)
     about = jnp.eye(3)[signal.axis]
     if isinstance(value, Table):
         value = Table(value.times, jnp.reshape(jnp.asarray(value.values, float), (-1, 1)) * about)
     else:
-        value = captured(lambda t, given=value: jnp.reshape(given(t), ()) * about, jax.ShapeDtypeStruct((), float))
+        value = captured(
+            lambda t, function=value: jnp.reshape(function(t), ()) * about, jax.ShapeDtypeStruct((), float)
+        )
     kind = "local moment" if signal.local else "moment"
     return Driven(kind, signal.index + jnp.arange(4), value)
 
 
-def _warmed(model: Model, first: int, element: str, quantity: str, what: str, value: Any) -> Driven:
+def _warmed(model: Model, first: int, element: str, quantity: str, subject: str, value: Any) -> Driven:
     """A change of temperature of an element, or its gradient across; `first` is its first deformation."""
     if element not in model.labels.warm:
-        raise ModelError(f"{what}: the element has no temperature. Call temperature('{element}', 0.0) in the builder.")
+        raise ModelError(
+            f"{subject}: the element has no temperature. Call temperature('{element}', 0.0) in the builder."
+        )
     block = next(b for b in model.topology.blocks if "thermal" in b.companions and first in np.asarray(b.e)[:, 0])
     sizes = heat_sizes(block.element)
     if quantity == "gradient" and len(sizes) == 1:
-        raise ModelError(f"{what}: an element of type {block.element.name} does not bend.")
-    held = set(np.asarray(model.topology.e.fixed).tolist()) - {first + n for n in range(_closure(block.element))}
+        raise ModelError(f"{subject}: an element of type {block.element.name} does not bend.")
+    fixed_indices = set(np.asarray(model.topology.e.fixed).tolist()) - {
+        first + n for n in range(_closure(block.element))
+    }
     row = np.asarray(block.e)[np.asarray(block.e)[:, 0] == first][0]
-    if has_table(value) and not held.isdisjoint(row.tolist()):
+    if has_table(value) and not fixed_indices.isdisjoint(row.tolist()):
         raise ModelError(
-            f"{what} is a table, but deformations of the element are FIXED. Their velocity would jump. Give a smooth"
+            f"{subject} is a table, but deformations of the element are FIXED. Their velocity would jump. Give a smooth"
             " function of time."
         )
     columns = np.arange(2) if quantity == "temperature" else 2 + np.arange(sizes[1])
-    numbers = _function(what, value, len(columns), one_for_all=quantity == "temperature")
+    numbers = _function(subject, value, len(columns), one_for_all=quantity == "temperature")
     return Driven("temperature", jnp.array([np.full(len(columns), first), columns]), numbers)
 
 
@@ -219,33 +229,33 @@ def _closure(element: Element) -> int:
 
 def _prescribed(model: Model, name: str, value: Any):
     """Kind ("x" or "e"), place among the PRESCRIBED ones, and the function of time of a prescribed motion."""
-    labels, topology, what = model.labels, model.topology, f"Motion '{name}'"
+    labels, topology, subject = model.labels, model.topology, f"Motion '{name}'"
     place = labels.place(_rotation_prescribed(labels, name))
     if place is not None:
         kind, index = place
         order = np.asarray(getattr(topology, kind).prescribed).tolist()
         if index not in order:
-            raise ModelError(f"{what} is not PRESCRIBED. Call prescribe() for it in the builder.")
+            raise ModelError(f"{subject} is not PRESCRIBED. Call prescribe() for it in the builder.")
         if has_table(value):
-            raise ModelError(f"{what} is a table. Its velocity jumps. Give a smooth function of time.")
-        return kind, order.index(index), _function(what, value, 1)
+            raise ModelError(f"{subject} is a table. Its velocity jumps. Give a smooth function of time.")
+        return kind, order.index(index), _function(subject, value, 1)
     node, _, component = str(name).rpartition(".")
     if labels.rotation_of(name) is not None:
-        raise ModelError(f"{what} is not PRESCRIBED. Call prescribe('{node}', '{component}') in the builder.")
+        raise ModelError(f"{subject} is not PRESCRIBED. Call prescribe('{node}', '{component}') in the builder.")
     if labels.coordinates(name) and labels.x[labels.coordinates(name)[0]].kind == "rotation":
         call = f"prescribe('{name.removesuffix('.rotation')}', \"rotation\", axis=..)"
-        raise ModelError(f"{what} is not PRESCRIBED. Call {call} in the builder.")
+        raise ModelError(f"{subject} is not PRESCRIBED. Call {call} in the builder.")
     prescribed = [
         str(entries[i])
         for entries, roles in ((labels.x, topology.x), (labels.e, topology.e))
         for i in np.asarray(roles.prescribed).tolist()
     ]
-    there = (
+    hint = (
         f"PRESCRIBED are: {among(prescribed, name)}."
         if prescribed
         else "Nothing is PRESCRIBED. Call prescribe() first."
     )
-    raise ModelError(f"{what} names no coordinate or deformation. {there}")
+    raise ModelError(f"{subject} names no coordinate or deformation. {hint}")
 
 
 def _rotation_prescribed(labels: Labels, name: str) -> str:
@@ -258,32 +268,32 @@ def _rotation_prescribed(labels: Labels, name: str) -> str:
     return f"{turn_of(name)}.e1"
 
 
-def _function(what: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:
+def _function(subject: str, value: Any, size: int, one_for_all: bool = False) -> Captured | Table:
     """A function of time as it is now, with as many numbers as it drives, or one for all if allowed."""
     if not callable(value):
-        raise ModelError(f"{what} must be a function of time, such as lambda t: 3.0, not {shown(value)}.")
+        raise ModelError(f"{subject} must be a function of time, such as lambda t: 3.0, not {short_repr(value)}.")
     if isinstance(value, Table):
-        _check_table(what, value)
+        _check_table(subject, value)
     try:
-        function, shape = of_time(value)
+        function, shape = captured_of_time(value)
     except Exception as fault:
         first = first_line(fault)
-        raise ModelError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
+        raise ModelError(f"{subject} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != (size,) and not ((size == 1 or one_for_all) and shape == ()):
-        wanted = "one number" if size == 1 else f"{size} numbers, one for each component"
-        wanted = f"one number, or {size}, one for each end" if one_for_all else wanted
-        raise ModelError(f"{what} must return {wanted}, but returns shape {shape}.")
+        expected = "one number" if size == 1 else f"{size} numbers, one for each component"
+        expected = f"one number, or {size}, one for each end" if one_for_all else expected
+        raise ModelError(f"{subject} must return {expected}, but returns shape {shape}.")
     return function
 
 
-def _check_table(what: str, table: Table) -> None:
-    check_real(f"{what}, a table,", table, ModelError)
+def _check_table(subject: str, table: Table) -> None:
+    check_real(f"{subject}, a table,", table, ModelError)
     if not is_concrete(table):
         return
     times, values = np.asarray(table.times), np.asarray(table.values)
     if times.ndim != 1 or len(times) < 2 or not np.all(np.isfinite(times)) or not np.all(np.diff(times) > 0):
-        raise ModelError(f"{what}: the times of a table must be finite and ascending, two at least.")
+        raise ModelError(f"{subject}: the times of a table must be finite and ascending, two at least.")
     if values.ndim < 1 or len(values) != len(times):
-        raise ModelError(f"{what}: a table needs as many values as times, {len(times)}, not {np.shape(values)[:1]}.")
+        raise ModelError(f"{subject}: a table needs as many values as times, {len(times)}, not {np.shape(values)[:1]}.")
     if not np.all(np.isfinite(values)):
-        raise ModelError(f"{what}: the values of a table must be finite.")
+        raise ModelError(f"{subject}: the values of a table must be finite.")

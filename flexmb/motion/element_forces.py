@@ -12,7 +12,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
-from ..compilation.program import split
+from ..compilation.program import split_constants
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
@@ -42,12 +42,12 @@ class PreparedBlock(Record):
 
     def over(self, function: Callable[..., Any], near: Float[Array, "n_e"], *along: Any):
         """Values of ``function(f, *along_el)`` for all elements, with ``f(x_el) -> (e_el, s_el)``."""
-        rest = (near[self.e], *self.kept) if self.counts else self.kept
+        constants = (near[self.e], *self.kept) if self.counts else self.kept
 
-        def of_element(rest: tuple[Array, ...], *along: Any):
-            return function(lambda x: self.function(x, *rest), *along)
+        def of_element(constants: tuple[Array, ...], *along: Any):
+            return function(lambda x: self.function(x, *constants), *along)
 
-        return jax.vmap(of_element)(rest, *along)
+        return jax.vmap(of_element)(constants, *along)
 
 
 def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[PreparedBlock, ...]:
@@ -60,8 +60,8 @@ def prepared_blocks(topology: Topology, parameters: Parameters) -> tuple[Prepare
 def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"]) -> PreparedBlock | None:
     """Elements of one block, prepared for motion; None if they neither deform nor carry mass."""
     deformation, known = companion_of(block, properties, "deformation")
-    inertia, own = companion_of(block, properties, "inertia")
-    own = known if inertia is None else own
+    inertia, element_properties = companion_of(block, properties, "inertia")
+    element_properties = known if inertia is None else element_properties
     if not block.e.shape[1]:
         deformation = None
     if deformation is None and inertia is None:
@@ -69,20 +69,24 @@ def prepared_block(block: Block, properties: dict[str, Any], reference: Float[Ar
     counts = deformation is not None and block.element.tracks_angle
     ref = reference[block.x]
 
-    def both(x: Float[Array, "c"], *rest: Any):
-        *near, ref, own = rest
-        e = None if deformation is None else deformation(x, ref, own, **({"near": near[0]} if counts else {}))
-        return e, None if inertia is None else inertia(x, ref, own)[0]
+    def element_values(x: Float[Array, "c"], *constants: Any):
+        *last_strain, ref, element_properties = constants
+        e = (
+            None
+            if deformation is None
+            else deformation(x, ref, element_properties, **({"near": last_strain[0]} if counts else {}))
+        )
+        return e, None if inertia is None else inertia(x, ref, element_properties)[0]
 
-    first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, own))
+    first = jax.tree.map(lambda rows: jax.ShapeDtypeStruct(rows.shape[1:], rows.dtype), (ref, element_properties))
     like = jax.ShapeDtypeStruct(ref.shape[1:], ref.dtype)
     varying = (like, jax.ShapeDtypeStruct(block.e.shape[1:], ref.dtype)) if counts else (like,)
-    early, late = split(both, varying, first)
-    kept = jax.vmap(early)(ref, own)
-    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, own)
+    early, late = split_constants(element_values, varying, first)
+    early_values = jax.vmap(early)(ref, element_properties)
+    mass = None if inertia is None else jax.vmap(lambda *numbers: inertia(*numbers)[1])(ref, ref, element_properties)
     # Another block computes the deformations of elements with separate companions.
     measured = block.e if deformation is not None else block.e[:, :0]
-    return PreparedBlock(late, block.x, measured, kept, mass, counts)
+    return PreparedBlock(late, block.x, measured, early_values, mass, counts)
 
 
 def _jacobian(f: Callable[..., Any]):
@@ -148,31 +152,33 @@ def strained(
     elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
     """Deformations [m, rad]."""
-    pieces = [(block.e, block.over(lambda f, x: f(x)[0], near, x[block.x])) for block in elements if block.e.shape[1]]
-    return scatter_vector(near.shape[0], pieces)
+    element_strains = [
+        (block.e, block.over(lambda f, x: f(x)[0], near, x[block.x])) for block in elements if block.e.shape[1]
+    ]
+    return scatter_vector(near.shape[0], element_strains)
 
 
-def _with_inertia(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+def _with_inertia(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], last_strain: Float[Array, "n_e"]):
     """Blocks with mass, and the Jacobians of their inertia vectors."""
     heavy = (block for block in elements if block.mass is not None)
-    return [(b, b.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], near, x[b.x])) for b in heavy]
+    return [(b, b.over(lambda f, x: _jacobian(lambda x: f(x)[1])(x)[1], last_strain, x[b.x])) for b in heavy]
 
 
 def heaviness(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Diagonal of the mass matrix [kg, kg m, kg m^2]."""
     blocks = _with_inertia(elements, x, near)
-    pieces = [(block.x, jnp.einsum("nkdx,nkl,nldx->nx", j, block.mass, j)) for block, j in blocks]
-    return scatter_vector(x.shape[0], pieces)
+    element_masses = [(block.x, jnp.einsum("nkdx,nkl,nldx->nx", j, block.mass, j)) for block, j in blocks]
+    return scatter_vector(x.shape[0], element_masses)
 
 
 def mass_of(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Mass matrix [kg, kg m, kg m^2]."""
     blocks = _with_inertia(elements, x, near)
-    pieces = [(block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)) for block, j in blocks]
-    return scatter_matrix((x.shape[0], x.shape[0]), pieces)
+    element_matrices = [(block.x, block.x, jnp.einsum("nkdx,nkl,nldy->nxy", j, block.mass, j)) for block, j in blocks]
+    return scatter_matrix((x.shape[0], x.shape[0]), element_matrices)
 
 
-def deformed(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+def deformations_and_slopes(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and their derivatives by the nodal coordinates, D_x."""
     values, rows = [], []
     for block, pair in zip(elements, deformed_elements(elements, x, near), strict=True):
@@ -212,12 +218,12 @@ def _with_jacobians(
     x: Float[Array, "c"],
     v: Float[Array, "c"],
     a: Float[Array, "c"],
-    falling: Float[Array, "c"] | None,
+    free_fall: Float[Array, "c"] | None,
 ):
     """:func:`rates_along`, and the Jacobians of e and s."""
     (y, (d, j)), (_, (dd, jd)) = jax.jvp(_jacobian(f), (x,), (v,))
     ed, edd = (None, None) if d is None else (d @ v, d @ a + dd @ v)
-    sdd = None if j is None else j @ (a if falling is None else a - falling) + jd @ v
+    sdd = None if j is None else j @ (a if free_fall is None else a - free_fall) + jd @ v
     return (y, (ed, None), (edd, sdd)), (d, j)
 
 
@@ -253,14 +259,14 @@ def own_of(e: Int[Array, "elements d"], matrix: Float[Array, "n_e n_e"]) -> Floa
     return matrix[e[:, :, None], e[:, None, :]]
 
 
-def _along(block: PreparedBlock, at: Moving, falling: Float[Array, "n_x"] | None):
-    return [None if array is None else array[block.x] for array in (at.x, at.v, at.a, falling)]
+def _along(block: PreparedBlock, at: Moving, free_fall: Float[Array, "n_x"] | None):
+    return [None if array is None else array[block.x] for array in (at.x, at.v, at.a, free_fall)]
 
 
-def _kinematics(rates: list[Any], near: Float[Array, "n_e"]) -> Kinematics:
+def _kinematics(rates: list[Any], last_strain: Float[Array, "n_e"]) -> Kinematics:
     """Kinematics of the mechanism from the kinematics of each block."""
-    pieces = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
-    return Kinematics(*scatter_vectors(near.shape[0], pieces, 3))
+    element_values = [(block.e, (y[0], yd[0], ydd[0])) for block, (y, yd, ydd) in rates if block.e.shape[1]]
+    return Kinematics(*scatter_vectors(last_strain.shape[0], element_values, 3))
 
 
 def acting_forces(
@@ -285,7 +291,7 @@ def acting_matrices(
 ) -> tuple[Acting, Float[Array, "n_e n_x"], Float[Array, "n_x n_x"]]:
     """:func:`acting_forces`, D_x and M = J^T H J, from the Jacobians of the elements."""
     rates = [(block, *block.over(_with_jacobians, at.near, *_along(block, at, falling))) for block in elements]
-    kinematics = _kinematics([each[:2] for each in rates], at.near)
+    kinematics = _kinematics([block_rates[:2] for block_rates in rates], at.near)
     sigma = stress(kinematics.e, kinematics.ed)
     forces, rows, masses = [], [], []
     for block, (_, _, (_, sdd)), (d, j) in rates:
@@ -347,19 +353,19 @@ def derivatives_of_elements(
     """:func:`force_derivatives` element by element, from the stiffness and damping of each element."""
     rates, _, sigma = _derived(elements, at, falling, stress)
     blocks = zip(rates, stiffness, damping, strict=True)
-    return [_of_elements(at, sigma, of_block, *tangents) for of_block, *tangents in blocks]
+    return [_block_derivatives(at, sigma, of_block, *tangents) for of_block, *tangents in blocks]
 
 
 def _derived(
-    elements: tuple[PreparedBlock, ...], at: Moving, falling: Float[Array, "n_x"] | None, stress: Callable[..., Any]
+    elements: tuple[PreparedBlock, ...], at: Moving, free_fall: Float[Array, "n_x"] | None, stress: Callable[..., Any]
 ) -> tuple[list[Any], Kinematics, Float[Array, "n_e"]]:
     """Result of :func:`derived_rates` for each block, kinematics, and stress resultants."""
-    rates = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    rates = [(block, *block.over(derived_rates, at.near, *_along(block, at, free_fall))) for block in elements]
     kinematics = _kinematics([of_block[:2] for of_block in rates], at.near)
     return rates, kinematics, stress(kinematics.e, kinematics.ed)
 
 
-def _of_elements(
+def _block_derivatives(
     at: Moving,
     sigma: Float[Array, "n_e"],
     rates: tuple[Any, ...],
@@ -434,7 +440,7 @@ def element_derivatives(
         block, (_, _, (_, sdd)), (jacobians, *_) = of_block
         forces += _pulled_by(block, sigma, sdd, *jacobians)
         matrices = [None if m is None or not block.e.shape[1] else own_of(block.e, m) for m in (stiffness, damping)]
-        at_block = _of_elements(at, sigma, of_block, *matrices)
+        at_block = _block_derivatives(at, sigma, of_block, *matrices)
         rows = None if at_block.e is None else (at_block.e, at_block.ed, at_block.edd)
         derived.append((block, rows, (at_block.by_x, at_block.by_v, at_block.mass)))
     return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces)), derived

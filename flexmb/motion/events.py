@@ -75,13 +75,13 @@ def passing_of(event: diffrax.Event | None, controls: int) -> Passing | None:
 def as_it_is(event: diffrax.Event, t: Float[Array, ""], like: MotionState) -> diffrax.Event:
     """Event whose conditions are captured now; conditions of more than time and state stay."""
 
-    def now(condition: Callable[..., Any]):
+    def captured_condition(condition: Callable[..., Any]):
         try:
             return EventCondition(captured(lambda t, y: condition(t, y, None), t, like))
         except (KeyError, TypeError):
             return condition
 
-    return dataclasses.replace(event, cond_fn=jax.tree.map(now, event.cond_fn, is_leaf=callable))
+    return dataclasses.replace(event, cond_fn=jax.tree.map(captured_condition, event.cond_fn, is_leaf=callable))
 
 
 def conditions_of(event: diffrax.Event) -> list[EventCondition]:

@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, with_derivative
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
@@ -150,8 +150,8 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
         chain: Any = chain_form(problem.model, problem.driven, problem.order)
         return chain
     tree = problem.tree if form == "tree" else None
-    whole = tree is None or tree.held_places.shape[0] > 0
-    mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven, whole=whole)
+    with_elements = tree is None or tree.held_places.shape[0] > 0
+    mechanism = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven, whole=with_elements)
     if form == "reduced":
         return reduced_form(mechanism)
     if tree is not None:
@@ -162,25 +162,25 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
 
 
 def _started(
-    equations: Equations, problem: Problem, t: Float[Array, ""], given: Start | MotionState
+    equations: Equations, problem: Problem, t: Float[Array, ""], initial: Start | MotionState
 ) -> tuple[MotionState, Any]:
     """State at the start of a motion, and a code of RESULTS."""
     fine = jnp.asarray(RESULTS.successful, jnp.int32)
-    if isinstance(given, MotionState):
-        return given, fine
-    start = equations.state_of(*given)
+    if isinstance(initial, MotionState):
+        return initial, fine
+    start = equations.state_of(*initial)
     if problem.still or not driving(problem.model.parameters, problem.driven):
         return start, fine
     form = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
     # Driven coordinates move the others; if degrees of freedom do not determine them, by the least change.
     state = equations.settle(t, start)
-    extent = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)
-    there = jnp.max(jnp.abs(equations.gap(t, state)), initial=0.0) <= DRIVEN_START * extent
+    extent = jnp.max(coordinate_scales(form.topology, form.parameters), initial=1.0)
+    reached = jnp.max(jnp.abs(equations.gap(t, state)), initial=0.0) <= DRIVEN_START * extent
     if is_determined(form) and (problem.order is None or form.topology.n_x <= MANY):
-        placed_start, met = driven_start(form, t, given)
+        placed_start, met = driven_start(form, t, initial)
         state = jax.tree.map(lambda a, b: jnp.where(met, a, b), equations.state_of(*placed_start), state)
-        there = there | met
-    return state, jnp.where(there, fine, RESULTS.out_of_reach).astype(jnp.int32)
+        reached = reached | met
+    return state, jnp.where(reached, fine, RESULTS.out_of_reach).astype(jnp.int32)
 
 
 @jit_beside_options
@@ -210,29 +210,29 @@ def _integrated(
     integrator: Integrator,
     span: Float[Array, "2"],
     times: Float[Array, "n_t"],
-    given: Reached,
+    reached: Reached,
     known: tuple[Solved, Array] | None = None,
 ) -> Integrated:
     equations = _equations(problem, integrator.form)
-    start, begun = _started(equations, problem, span[0], given.state)
-    solved = _solved(equations, problem, integrator, (*span, times), start, given.before, known=known)
-    return _whole(equations, times, solved, begun, given)
+    start, begun = _started(equations, problem, span[0], reached.state)
+    solved = _solved(equations, problem, integrator, (*span, times), start, reached.before, known=known)
+    return _as_integrated(equations, times, solved, begun, reached)
 
 
-def _whole(
-    equations: Equations, times: Float[Array, "n_t"], solved: Solved, begun: Int[Array, ""], given: Reached
+def _as_integrated(
+    equations: Equations, times: Float[Array, "n_t"], solved: Solved, begun: Int[Array, ""], reached: Reached
 ) -> Integrated:
     """Result of an integration from solved states."""
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, solved[0]))
     result = jnp.where(begun == RESULTS.successful, solved.result, begun)
     jumped = solved.jumped & (result == RESULTS.successful)
-    last = Reached(_last(solved.states), given.memory, Before(solved.moved, solved.balance))
+    last = Reached(_last(solved.states), reached.memory, Before(solved.moved, solved.balance))
     return Integrated(rows, solved.steps, result, last, jumped)
 
 
 def _recorded(
-    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], given: Reached
+    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], reached: Reached
 ) -> tuple[Integrated, tuple[Solved, Array]]:
     """:func:`_integrated`, with the solution and the ends of its steps for a derivative."""
     import diffrax
@@ -240,11 +240,11 @@ def _recorded(
     from .solve import solve
 
     equations = _equations(problem, integrator.form)
-    start, begun = _started(equations, problem, span[0], given.state)
+    start, begun = _started(equations, problem, span[0], reached.state)
     stretch = Span(span[0], span[1], times, problem.stops)
     options: Any = {"adjoint": diffrax.ForwardMode(), "every": True, "recorded": True}
-    solved, ends = solve(equations, stretch, start, integrator, given.before, FIRST, **options)
-    return _whole(equations, times, solved, begun, given), (solved, jnp.asarray(ends))
+    solved, ends = solve(equations, stretch, start, integrator, reached.before, FIRST, **options)
+    return _as_integrated(equations, times, solved, begun, reached), (solved, jnp.asarray(ends))
 
 
 _asked = jit_beside_options(_integrated)
@@ -275,7 +275,7 @@ def _integrated_sampled(
     integrator: Integrator,
     grid: Intervals,
     times: Float[Array, "n_t"],
-    given: Reached,
+    reached: Reached,
     derived: bool = False,
     known: None = None,
 ) -> Integrated:
@@ -285,18 +285,18 @@ def _integrated_sampled(
 
     def interval(carry: tuple[Any, ...], at: tuple[Any, ...]):
         state, (memory, u), before = carry
-        begin, end, wanted = at
+        begin, end, interval_times = at
         # Inputs before a sample cause the accelerations there.
         z = under_inputs(problem.model, undriven, u).acceleration(begin, state)[0] if sensors.places.late else None
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        solved = _solved(equations, problem, integrator, (begin, end, wanted), state, before, derived)
+        solved = _solved(equations, problem, integrator, (begin, end, interval_times), state, before, derived)
         before = Before(solved.moved, solved.balance)
         return Reached(_last(solved.states), (memory, u), before), (solved.states, u, *solved[2:5])
 
-    first, begun = _started(undriven, problem, grid.begin[0], given.state)
-    start = given._replace(state=first)
+    first, begun = _started(undriven, problem, grid.begin[0], reached.state)
+    start = reached._replace(state=first)
     rows_of: Any
     # A derivative repeats one interval at a time: all at once would fill the memory.
     last, rows_of = jax.lax.scan(jax.checkpoint(interval), start, grid[:3])
@@ -310,9 +310,9 @@ def _integrated_sampled(
     return Integrated(rows._replace(u=u[grid.interval]), jnp.sum(steps), result, last, jnp.any(jumped))
 
 
-def _derived_sampled(*given: Any) -> tuple[Integrated, None]:
+def _derived_sampled(*arguments: Any) -> tuple[Integrated, None]:
     # Steps of all intervals at once would fill the memory.
-    return _integrated_sampled(*given, derived=True), None
+    return _integrated_sampled(*arguments, derived=True), None
 
 
 _asked_sampled = jit_beside_options(_integrated_sampled)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from jaxtyping import Array, Float
 
-from ..arguments import as_floats, check_number, check_whole, shown
+from ..arguments import as_floats, check_number, check_whole, short_repr
 from ..compilation.record import Record, static
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class Integrator(Record):
         from .projected import Projected
         from .solver import MotionSolver
 
-        for name, kind, wanted in (
+        for name, kind, expected in (
             ("solver", diffrax.AbstractSolver, "a solver, such as Rodas5P() or diffrax.Dopri8()"),
             ("controller", diffrax.AbstractStepSizeController, "a step size controller of diffrax"),
             ("adjoint", diffrax.AbstractAdjoint, "an adjoint of diffrax"),
@@ -110,7 +110,7 @@ class Integrator(Record):
         ):
             value = getattr(self, name)
             if value is not None and not isinstance(value, kind):
-                raise TypeError(f"Argument `{name}` must be {wanted}, not {shown(value)}.")
+                raise TypeError(f"Argument `{name}` must be {expected}, not {short_repr(value)}.")
         solver = self.solver
         if not isinstance(solver, diffrax.AbstractAdaptiveSolver | None) and self.controller is None:
             name = type(solver).__name__

@@ -7,7 +7,7 @@ import diffrax
 from jaxtyping import Array, Float
 
 from .protocol import MotionState
-from .stages import between
+from .stages import state_within_step
 
 
 class MotionInterpolation(diffrax.AbstractLocalInterpolation):
@@ -19,7 +19,7 @@ class MotionInterpolation(diffrax.AbstractLocalInterpolation):
     y1: MotionState
     a0: Float[Array, "n"]
     a1: Float[Array, "n"]
-    within: ClassVar[Callable[..., MotionState]] = staticmethod(between)
+    within: ClassVar[Callable[..., MotionState]] = staticmethod(state_within_step)
 
     def evaluate(self, t0: Any, t1: Any = None, left: bool = True) -> MotionState:
         """State at a time, or its change over an interval."""

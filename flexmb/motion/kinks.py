@@ -29,7 +29,7 @@ from ..numerical_limits import (
 )
 from .controlled_form import ControlledForm
 from .coordinates_form import CoordinatesForm
-from .element_forces import PreparedBlock, deformed, prepared_block
+from .element_forces import PreparedBlock, deformations_and_slopes, prepared_block
 from .protocol import MotionState
 
 # Parts of a step in which kinks, and forces that act only within it, are sought.
@@ -156,7 +156,7 @@ def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> K
 def _halved(
     search: KinkSearch,
     times: tuple[Any, Any],
-    kept: Any,
+    accepted: Any,
     functions: tuple[Float[Array, "k"], Float[Array, "k"]],
     next_t1: Any,
     least: Any,
@@ -173,13 +173,13 @@ def _halved(
     jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP_AT_KINK * first) & (first > 0)))
     by = jnp.where(refused, t1, search.by)
     begin = jnp.where(refused, t0, t1)
-    rest = by - begin
-    onwards = begin + jnp.where(rest > short, rest / 2, rest)
+    remaining = by - begin
+    onwards = begin + jnp.where(remaining > short, remaining / 2, remaining)
     # Beyond the kink steps are as long as before.
-    after = jnp.where(rest > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
+    after = jnp.where(remaining > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
     return (
         refused,
-        jnp.where(kept, after, next_t1),
+        jnp.where(accepted, after, next_t1),
         KinkSearch(by, length, first, jnp.where(begins, slopes, search.slopes), jumped),
     )
 
@@ -190,8 +190,8 @@ def kinks_of(equations: Any, every: bool = True) -> Kinks | None:
     if form is None or not (_law_may_bend(form) or _controller_may_bend(equations)):
         return None
     blocks = zip(form.topology.blocks, form.parameters.properties, strict=True)
-    laws = [(block, given) for block, given in blocks if not set(NONLINEAR).isdisjoint(block.companions)]
-    prepared = [prepared_block(block, given, form.parameters.reference) for block, given in laws]
+    laws = [(block, properties) for block, properties in blocks if not set(NONLINEAR).isdisjoint(block.companions)]
+    prepared = [prepared_block(block, properties, form.parameters.reference) for block, properties in laws]
     return Kinks(equations, tuple(block for block in prepared if block is not None), every)
 
 
@@ -223,7 +223,7 @@ def _forces(kinks: Kinks, t: Float[Array, ""], state: MotionState) -> Float[Arra
     at = kinks.equations.whole_motion(t, state)
     if not is_nonlinear(form.topology):
         return at.u
-    e, jacobian = deformed(kinks.elements, at.x, at.near)
+    e, jacobian = deformations_and_slopes(kinks.elements, at.x, at.near)
     strain = strain_of(form.topology, form.parameters, form.drive(t).loads, e)
     return jnp.concatenate([at.u, nonlinear_stress(form.topology, form.parameters, strain, jacobian @ at.xd)])
 

@@ -15,8 +15,8 @@ from ..display import kind_of
 from ..errors import ModelError, warn
 from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
-from ..mechanics.deformation import zero_near
-from ..mechanics.extent import sizes_of
+from ..mechanics.deformation import zero_strain
+from ..mechanics.extent import coordinate_scales
 from ..model.model import Model, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -26,7 +26,7 @@ from .coordinates_form import coordinates_form
 from .drive import Driven
 from .drives_by_name import Drives, driven_by
 from .motion import Motion
-from .moving_matrices import carried, moving_matrices
+from .moving_matrices import moving_matrices, state_at_rates
 
 # Prescribed speeds are increased in steps, each with this number of Newton iterations.
 STEADY_STEPS, STEADY_ITERATIONS = 10, 6
@@ -61,26 +61,26 @@ def linearize_motion(motion: Motion) -> Linearization:
 def _steady(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], time: Float[Array, ""]) -> Matrices:
     form = coordinates_form(topology, parameters, driven)
     none = jnp.zeros(topology.n_q)
-    sizes = sizes_of(topology, parameters)
-    given = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    sizes = coordinate_scales(topology, parameters)
+    prescribed = form.whole(time, *(jnp.zeros(form.size),) * 3)
     n = topology.x.dof.shape[0]
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
-    def linear(speed: Float[Array, ""], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
-        return moving_matrices(form, time, carried(form, time, x, none, none, near, speed))
+    def linear(speed: Float[Array, ""], x: Float[Array, "n_x"], last_strain: Float[Array, "n_e"]):
+        return moving_matrices(form, time, state_at_rates(form, time, x, none, none, last_strain, speed))
 
-    def iterate(i: Array, walk: tuple[Any, ...]):
-        q, x, near, _, _ = walk
-        x, near = form.placed(given, q, x, near)
+    def iterate(i: Array, carry: tuple[Any, ...]):
+        q, x, last_strain, _, _ = carry
+        x, last_strain = form.placed(prescribed, q, x, last_strain)
         speed = jnp.minimum((i // STEADY_ITERATIONS + 1).astype(float) / STEADY_STEPS, 1.0)
-        matrices, residual = linear(speed, x, near)
+        matrices, residual = linear(speed, x, last_strain)
         dq = factorise(matrices.K).solve(-residual)
-        return q + dq, x, near, jnp.max(jnp.abs(dq) / scale, initial=0.0), matrices
+        return q + dq, x, last_strain, jnp.max(jnp.abs(dq) / scale, initial=0.0), matrices
 
     nothing = jax.tree.map(
-        lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, given.x, zero_near(topology))[0]
+        lambda a: jnp.zeros(a.shape, a.dtype), jax.eval_shape(linear, time, prescribed.x, zero_strain(topology))[0]
     )
-    start = (none, given.x, zero_near(topology), jnp.array(jnp.inf), nothing)
+    start = (none, prescribed.x, zero_strain(topology), jnp.array(jnp.inf), nothing)
     *_, last, steady = jax.lax.fori_loop(0, STEADY_STEPS * STEADY_ITERATIONS, iterate, start)
     astray = (steady.result == RESULTS.successful) & ~(last < STEADY_CONVERGED)
     return dataclasses.replace(steady, result=jnp.where(astray, RESULTS.not_converged, steady.result).astype(jnp.int32))
@@ -134,8 +134,8 @@ def _speed(
 ) -> Float[Array, ""]:
     """Greatest prescribed speed [extents/s, rad/s]."""
     form = coordinates_form(topology, parameters, driven)
-    given = form.whole(time, *(jnp.zeros(form.size),) * 3)
-    speeds = jnp.concatenate([given.v / sizes_of(topology, parameters), given.ed])
+    prescribed = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    speeds = jnp.concatenate([prescribed.v / coordinate_scales(topology, parameters), prescribed.ed])
     return jnp.max(jnp.abs(speeds), initial=0.0)
 
 
@@ -157,8 +157,8 @@ def _warn_of_change(numbers: tuple[Any, ...], matrices: Matrices, time: float) -
     sizes = np.outer(heavy, heavy), np.maximum(np.outer(heavy, stiff), np.outer(stiff, heavy)), np.outer(stiff, stiff)
     pairs = zip((mass, rates, stiffness), sizes, strict=True)
     change = max(
-        np.max(np.abs(now - later_entries) / np.where(size > 0, size, 1.0), initial=0.0)
-        for (now, later_entries), size in pairs
+        np.max(np.abs(entries - later_entries) / np.where(size > 0, size, 1.0), initial=0.0)
+        for (entries, later_entries), size in pairs
     )
     if int(later.result) != RESULTS.successful or change > STEADY_EQUATIONS:
         warn(

@@ -52,13 +52,13 @@ def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., 
     """Outputs, or the reference minus the outputs."""
     if reference is None:
         return y
-    wanted = reference(t)
-    if wanted.shape != y.shape:
+    target = reference(t)
+    if target.shape != y.shape:
         raise ModelError(
-            f"`reference` returns shape {wanted.shape}, but the mechanism has {y.shape[0]} outputs. Return one value"
+            f"`reference` returns shape {target.shape}, but the mechanism has {y.shape[0]} outputs. Return one value"
             " for each output, in the order of the builder."
         )
-    return wanted - y
+    return target - y
 
 
 def check_signals(model: Model, needs: str) -> None:
@@ -113,19 +113,19 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
                 "Argument `reference` must be a function of time that returns a number for each output that the"
                 f" controller reads, such as lambda t: 1e-3, not {kind_of(reference)}."
             )
-        given = reference
+        reference_law = reference
         reference = captured(
-            lambda t: returned("Argument `reference`", given(t)), jax.ShapeDtypeStruct((), jnp.float64)
+            lambda t: returned("Argument `reference`", reference_law(t)), jax.ShapeDtypeStruct((), jnp.float64)
         )
     controller = connected(controller, inputs, outputs, lambda t, y: _seen(y, t, reference))
     if isinstance(controller, Sampled):
         _check_sampled(controller, len(inputs), len(outputs))
     elif (controller.rate is None) != (controller.start is None):
         raise ModelError("A Feedback needs both `rate` and `start` of its states, or neither.")
-    return _now(controller, len(outputs))
+    return _captured_controller(controller, len(outputs))
 
 
-def _now(controller: Feedback | Sampled, count: int):
+def _captured_controller(controller: Feedback | Sampled, count: int):
     """Controller with its functions captured at this call, for a number of outputs of the mechanism."""
     check_real("The `start` of the controller", controller.start, ModelError)
     # Names and windup are used before; left in, they would only split the compilation cache.
@@ -146,17 +146,17 @@ def _check_sampled(control: Sampled, inputs: int, outputs: int) -> None:
     check_number("period", control.period, above=0)
     start = jax.tree.map(lambda leaf: as_reals("The `start` of the controller", leaf, ModelError), control.start)
     try:
-        given = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
+        result = jax.eval_shape(control.step, jnp.zeros(()), start, jnp.zeros(outputs))
     except Exception as fault:
         first = first_line(fault)
         raise ModelError(f"The step of the sampled controller cannot be computed, by jax.numpy: {first}") from fault
-    if not isinstance(given, tuple) or len(given) != 2:
+    if not isinstance(result, tuple) or len(result) != 2:
         raise ModelError("The step of the sampled controller must return the inputs and the next state.")
-    check_real("The result of the step of the sampled controller", given, ModelError)
-    shapes = [jax.tree.map(jnp.shape, part) for part in (start, given[1])]
-    if jax.tree.structure(start) != jax.tree.structure(given[1]) or shapes[0] != shapes[1]:
+    check_real("The result of the step of the sampled controller", result, ModelError)
+    shapes = [jax.tree.map(jnp.shape, part) for part in (start, result[1])]
+    if jax.tree.structure(start) != jax.tree.structure(result[1]) or shapes[0] != shapes[1]:
         raise ModelError(f"The step of the sampled controller returns a state {shapes[1]}, but starts at {shapes[0]}.")
-    u = jax.tree.map(jnp.shape, given[0])
+    u = jax.tree.map(jnp.shape, result[0])
     if u != (inputs,) and not (u == () and inputs == 1):
         raise ModelError(f"The controller returns shape {u}, but the mechanism has {inputs} inputs.")
 

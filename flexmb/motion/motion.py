@@ -28,14 +28,14 @@ from ..display import (
 from ..errors import ModelError
 from ..linear.linearize import Linearization, Stressed
 from ..math.indices import put
-from ..mechanics.inertia import Felt, kinetic_energy, work_of_weight
+from ..mechanics.inertia import InertialLoad, kinetic_energy, work_of_weight
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonlinear_energy, strain_of
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..numerical_limits import SAME_TIME
 from ..questions.over_states import Along
-from ..results import told
+from ..results import outcome_text
 from .chain_form import chain_form
 from .coordinates_form import coordinates_form
 from .drive import Driven
@@ -168,12 +168,12 @@ class Motion(ByName, Along, Labelled, Record):
             check_number("time", time)
             if step is not None:
                 raise ValueError("Arguments `step` and `time` both choose a state. Give one of them.")
-            near = np.argsort(np.abs(times - time), kind="stable")[:2]
-            if len(near) and abs(times[near[0]] - time) <= SAME_TIME * np.max(np.abs(times)):
-                return int(near[0])
+            nearest = np.argsort(np.abs(times - time), kind="stable")[:2]
+            if len(nearest) and abs(times[nearest[0]] - time) <= SAME_TIME * np.max(np.abs(times)):
+                return int(nearest[0])
             raise ValueError(
                 f"Argument `time` must be one of the {len(times)} times of the motion, but is {short(time)} s. The"
-                f" nearest are {listed(np.sort(times[near]), 's')}. Simulate with that time among them."
+                f" nearest are {listed(np.sort(times[nearest]), 's')}. Simulate with that time among them."
             )
         count, chosen = len(times), -1 if step is None else check_whole("step", step)
         if not -count <= chosen < count:
@@ -189,8 +189,8 @@ class Motion(ByName, Along, Labelled, Record):
         self._refuse_not_reached(slice(None))
         seen, gravity = self.observe(), self.model.parameters.loads.gravity
         count = self.t.shape[0]
-        falling = None if gravity is None else jnp.broadcast_to(gravity, (count, *gravity.shape))
-        return Stressed(seen.x, seen.sigma, Felt(falling, seen.xd, seen.xdd), self.near)
+        free_fall = None if gravity is None else jnp.broadcast_to(gravity, (count, *gravity.shape))
+        return Stressed(seen.x, seen.sigma, InertialLoad(free_fall, seen.xd, seen.xdd), self.near)
 
     def _refuse_not_reached(self, which: slice) -> None:
         """Refuse times that the motion did not reach, because an event or a failure ended it."""
@@ -216,7 +216,7 @@ class Motion(ByName, Along, Labelled, Record):
         """Return outcome, times and solver."""
         t = np.asarray(self.t)
         rows = {
-            "result": told(self.result),
+            "result": outcome_text(self.result),
             "time": f"{short(t[0])} to {short(t[-1])} s, {len(t)} times" if len(t) else "none",
             "steps": str(int(self.steps)),
             "solver": f"{self.solver}, {self.form}",
@@ -297,12 +297,12 @@ def _along(
     without_inputs = coordinates_form(model.topology, model.parameters, driven)
 
     def at_one_time(at: tuple[Array, ...]):
-        t, x, xd, near, u = at
+        t, x, xd, last_strain, u = at
         form = under_inputs(model, without_inputs, u)
-        state = form.state_of(x, xd, near)
+        state = form.state_of(x, xd, last_strain)
         z, _ = form.acceleration(t, state)
-        whole = form.whole(t, state.u, state.w, z[: form.size])
-        return moving_matrices(form, t, Moving(whole.x, whole.v, whole.a, near))[0]
+        coordinates = form.whole(t, state.u, state.w, z[: form.size])
+        return moving_matrices(form, t, Moving(coordinates.x, coordinates.v, coordinates.a, last_strain))[0]
 
     return jax.lax.map(at_one_time, (t, x, xd, near, u))
 
@@ -324,18 +324,18 @@ def _observe(
     gravity = parameters.loads.gravity
 
     def at_one_time(at: tuple[Array, ...]):
-        t, x, xd, near, u = at
+        t, x, xd, last_strain, u = at
         form = under_inputs(model, undriven, u)
-        state = form.state_of(x, xd, near)
+        state = form.state_of(x, xd, last_strain)
         balance = form if chain is None else chain
         z, _ = balance.acceleration(t, state)
-        kin, sigma, force, whole = balance.forces(t, state, z)
+        kin, sigma, force, coordinates = balance.forces(t, state, z)
         drive = form.drive(t)
-        moving = whole.x - parameters.reference
+        moving = coordinates.x - parameters.reference
         constant = parameters.loads.force
         potential = jnp.array(0.0) if constant is None else -constant @ moving
         if gravity is not None:
-            potential = potential - work_of_weight(topology, parameters, whole.x, gravity)
+            potential = potential - work_of_weight(topology, parameters, coordinates.x, gravity)
         stored = strain_of(topology, parameters, drive.loads, kin.e)
         # Stress from stored energy, and this energy.
         conservative = (undriven if chain is None else chain).elastic_stress(stored)
@@ -346,11 +346,11 @@ def _observe(
         if drive.loads.prestress is not None:
             conservative, elastic = conservative + drive.loads.prestress, elastic + drive.loads.prestress @ stored
         # All forces except inertia, springs, constant forces and gravity.
-        applied = form.applied(t, whole.x)
+        applied = form.applied(t, coordinates.x)
         other = applied - (0.0 if constant is None else constant)
-        held = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
-        reactions = jnp.where(held == 1.0, force, 0.0)
-        power = (other + reactions) @ whole.v - (sigma - conservative) @ kin.ed
+        is_constrained = put(put(jnp.zeros(topology.n_x), topology.x.fixed, 1.0), topology.x.prescribed, 1.0)
+        reactions = jnp.where(is_constrained == 1.0, force, 0.0)
+        power = (other + reactions) @ coordinates.v - (sigma - conservative) @ kin.ed
         if drive.loads.temperature is not None:
             # A change of temperature does the work of the stress.
             def free(t: Float[Array, ""]):
@@ -361,8 +361,8 @@ def _observe(
             # Stress that grows in a strained element stores energy without motion.
             grown = jax.jvp(lambda t: form.drive(t).loads.prestress, (t,), (jnp.ones_like(t),))[1]
             power = power + grown @ stored
-        kinetic = kinetic_energy(topology, parameters, whole.x, whole.v)
-        seen = whole.x, whole.v, whole.a, kin.e, kin.ed, sigma, reactions, applied + reactions
+        kinetic = kinetic_energy(topology, parameters, coordinates.x, coordinates.v)
+        seen = coordinates.x, coordinates.v, coordinates.a, kin.e, kin.ed, sigma, reactions, applied + reactions
         return Observed(*seen, kinetic, elastic, potential, power, model.labels)
 
     return jax.lax.map(at_one_time, (t, x, xd, near, u))

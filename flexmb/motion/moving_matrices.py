@@ -8,14 +8,14 @@ from jaxtyping import Array, Bool, Float
 from ..linear.linearize import Matrices, Rates
 from ..math.indices import put
 from ..mechanics.deformation import Transfer, correction, deformation_curvature, multipliers, transfer
-from ..mechanics.inertia import Felt, weight_stiffness
+from ..mechanics.inertia import InertialLoad, weight_stiffness
 from ..mechanics.loads import LoadFactors, load_stiffness
 from ..results import RESULTS
 from .coordinates_form import AllCoordinates, CoordinatesForm
-from .element_forces import Moving, acting_forces, deformed, force_derivatives
+from .element_forces import Moving, acting_forces, deformations_and_slopes, force_derivatives
 
 
-def solved(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
+def dependent_changes(form: CoordinatesForm, tangent: Transfer, rows: Float[Array, "n_e k"]) -> Float[Array, "n_x k"]:
     """Changes of the DEPENDENT coordinates that cancel changes of the held deformations at constant q."""
     top = form.topology
     change = tangent.factors.solve(-rows[top.e.given])
@@ -49,7 +49,7 @@ class DynamicBalance(NamedTuple):
 def dynamic_balance(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> DynamicBalance:
     """Forces at a state of motion, multipliers from DEPENDENT coordinates (THEORY.md 5, eq. (5.2) and (5.5))."""
     top = form.topology
-    _, jacobian = deformed(form.elements, moving.x, moving.near)
+    _, jacobian = deformations_and_slopes(form.elements, moving.x, moving.near)
     tangent = transfer(top, jacobian)
     nothing = jnp.zeros(form.held.shape[0])
     acting = acting_forces(form.elements, moving, form.falling, form.stress_of(t, nothing))
@@ -65,17 +65,17 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     change by DFx dqdd + 2 DFx_d dqd + DFx_dd dq with DFx_dd = -A^-1 (d(e_ddot)/dx DFx + 2 (D_xx v) DFx_d).
     """
     top, parameters = form.topology, form.parameters
-    x, v, a, near = moving
+    x, v, a, last_strain = moving
     at = dynamic_balance(form, t, moving)
     tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
     by_x = force_derivatives(form.elements, moving, None, lambda e, ed: sigma)
-    curvature = deformation_curvature(top, parameters, x, near, sigma)
+    curvature = deformation_curvature(top, parameters, x, last_strain, sigma)
     rates = by_x.ed @ z
-    turning = solved(form, tangent, rates)
+    turning = dependent_changes(form, tangent, rates)
     second = by_x.edd @ z + 2 * by_x.ed @ turning
-    by_q = solved(form, tangent, second)
+    by_q = dependent_changes(form, tangent, second)
     loads = load_stiffness(top, parameters, factors, x)
     if drive.turning is not None:
         loads = loads + drive.turning
@@ -83,8 +83,8 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
         loads = loads + weight_stiffness(top, parameters, x, form.gravity)
     n0 = z.T @ ((by_x.by_x - curvature) @ z + by_x.by_v @ turning + by_x.mass @ by_q)
     dfe = tangent.DFe
-    held = top.x.held
-    stiffness, damping = form.tangents_at(t, x, v, near)
+    constrained = top.x.held
+    stiffness, damping = form.tangents_at(t, x, v, last_strain)
     rate_of_dfe = rates + jacobian @ turning
     n0 = n0 + dfe.T @ damping @ rate_of_dfe
     m0, k0, c0 = z.T @ by_x.mass @ z, dfe.T @ stiffness @ dfe, z.T @ (by_x.by_v @ z + 2 * by_x.mass @ turning)
@@ -93,7 +93,7 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     # Without mass the acceleration is unknown, and with it all that follows.
     result = jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)
     result = jnp.where(at.regular, result, RESULTS.singular_configuration)
-    reactions = put(jnp.zeros(top.n_x), held, (jacobian.T @ sigma - at.force)[held])
+    reactions = put(jnp.zeros(top.n_x), constrained, (jacobian.T @ sigma - at.force)[constrained])
     matrices = Matrices(
         M0=m0,
         C0=c0,
@@ -106,9 +106,9 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
         S=stiffness,
         S_d=damping,
         x=x,
-        e=near,
+        e=last_strain,
         sigma=sigma,
-        felt=Felt(form.gravity, v, a),
+        felt=InertialLoad(form.gravity, v, a),
         reactions=reactions,
         external=form.applied(t, x) + reactions,
         iterations=jnp.zeros((), jnp.int32),
@@ -134,13 +134,15 @@ def rates_at(
     return tangent.DFx @ qd + speed * _following(form, tangent, jacobian, given.v, given.ed, still)
 
 
-def _following(form: CoordinatesForm, tangent: Transfer, jacobian: Array, moved: Array, wanted: Array, rest: Array):
+def _following(
+    form: CoordinatesForm, tangent: Transfer, jacobian: Array, moved: Array, prescribed: Array, convective: Array
+):
     """Change of all coordinates when prescribed ones change at constant degrees of freedom."""
-    excess = put(jnp.zeros(form.topology.n_e), form.held, -wanted) + jacobian @ moved + rest
+    excess = put(jnp.zeros(form.topology.n_e), form.held, -prescribed) + jacobian @ moved + convective
     return correction(form.topology, tangent, excess, moved)
 
 
-def carried(
+def state_at_rates(
     form: CoordinatesForm,
     t: Float[Array, ""],
     x: Float[Array, "n_x"],
@@ -152,12 +154,12 @@ def carried(
     """State of motion at rates of the degrees of freedom; `speed` scales prescribed rates."""
     top = form.topology
     none = jnp.zeros(form.size)
-    given = form.whole(t, none, none, none)
-    _, jacobian = deformed(form.elements, x, near)
+    prescribed = form.whole(t, none, none, none)
+    _, jacobian = deformations_and_slopes(form.elements, x, near)
     tangent = transfer(top, jacobian)
-    v = rates_at(form, given, tangent, jacobian, qd, speed)
+    v = rates_at(form, prescribed, tangent, jacobian, qd, speed)
     still, nothing = jnp.zeros(top.n_x), jnp.zeros(form.held.shape[0])
     kin = acting_forces(form.elements, Moving(x, v, still, near), None, form.stress_of(t, nothing)).kinematics
-    driven = _following(form, tangent, jacobian, speed**2 * given.a, speed**2 * given.edd, kin.edd)
+    driven = _following(form, tangent, jacobian, speed**2 * prescribed.a, speed**2 * prescribed.edd, kin.edd)
     a = tangent.DFx @ qdd + driven
     return Moving(x, v, a, near)

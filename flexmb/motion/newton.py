@@ -44,8 +44,8 @@ def solve_step(
             again = (count > 1) & (change > REUSED_FACTORS * before)
             factors = jax.lax.cond(again, lambda: factorise(matrix(z)), lambda: factors)
             step = factors.solve(f(z))
-            now = lever * jnp.max(jnp.abs(step[:positions]), initial=0.0)
-            return z - step, factors, now, change, count + 1
+            step_size = lever * jnp.max(jnp.abs(step[:positions]), initial=0.0)
+            return z - step, factors, step_size, change, count + 1
 
         factors = factorise(jax.lax.stop_gradient(first))
         z, _, change, _, _ = jax.lax.while_loop(unsolved, once, (start, factors, jnp.inf, jnp.inf, 0))

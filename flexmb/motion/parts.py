@@ -58,17 +58,17 @@ def integrate_in_parts(
     Returns:
         Integrated, with rows of the times reached; rows of a failed part may be not finite.
     """
-    wanted, feedback, dt0 = np.asarray(times), problem.feedback, float(np.asarray(integrator.dt0))
-    bounds = _bounds(wanted, feedback, dt0)
-    part = np.clip(np.searchsorted(bounds, wanted, side="right") - 1, 0, len(bounds) - 2)
+    all_times, feedback, dt0 = np.asarray(times), problem.feedback, float(np.asarray(integrator.dt0))
+    bounds = _bounds(all_times, feedback, dt0)
+    part = np.clip(np.searchsorted(bounds, all_times, side="right") - 1, 0, len(bounds) - 2)
     width = int(np.max(np.bincount(part))) + 1
-    at = at._replace(state=begin(problem, integrator.form, jnp.asarray(wanted[0]), at.state))
+    at = at._replace(state=begin(problem, integrator.form, jnp.asarray(all_times[0]), at.state))
     rows: list[list[np.ndarray]] = []
     steps, result = 0, RESULTS.successful
     with reporting(progress, "simulating", len(bounds) - 1) as report:
         try:
             for i, (start, end) in enumerate(itertools.pairwise(bounds)):
-                part_times = wanted[part == i]
+                part_times = all_times[part == i]
                 filled = np.append(part_times, np.full(width - len(part_times), end))
                 if isinstance(feedback, Sampled):
                     grid = sampled_intervals(filled, feedback.period, start, end)
@@ -90,5 +90,5 @@ def integrate_in_parts(
     if not rows:
         top, inputs = problem.model.topology, 0 if feedback is None else len(problem.model.labels.inputs)
         rows.append([np.zeros((0, size)) for size in (top.n_x, top.n_x, top.n_e, inputs)])
-    whole = WholeMotion(*jax.device_put([np.concatenate(column) for column in zip(*rows, strict=True)]))
-    return Integrated(whole, jnp.asarray(steps), jnp.asarray(int(result)), at)
+    whole_motion = WholeMotion(*jax.device_put([np.concatenate(column) for column in zip(*rows, strict=True)]))
+    return Integrated(whole_motion, jnp.asarray(steps), jnp.asarray(int(result)), at)

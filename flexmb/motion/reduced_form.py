@@ -8,11 +8,11 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix
 from .coordinates_form import CoordinatesForm
 from .element_forces import Moving
-from .moving_matrices import carried, dynamic_balance, moving_matrices
+from .moving_matrices import dynamic_balance, moving_matrices, state_at_rates
 from .protocol import MotionState, Tangent, WholeMotion, by_time
 
 
@@ -64,13 +64,13 @@ class ReducedForm(Record):
     def placed(self, t: Float[Array, ""], u: Float[Array, "n_q"], memory: Float[Array, "k"]):
         """All coordinates and deformations at degrees of freedom u, from the guess in the memory."""
         none, n_x = jnp.zeros(self.form.size), self.form.topology.n_x
-        given = self.form.whole(t, none, none, none)
-        return self.form.placed(given, u * self.sizes, memory[:n_x], memory[n_x:])
+        prescribed = self.form.whole(t, none, none, none)
+        return self.form.placed(prescribed, u * self.sizes, memory[:n_x], memory[n_x:])
 
     def everything(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Moving:
         """State of motion in all coordinates; z are the second rates over their sizes."""
-        x, near = self.placed(t, state.u, state.memory)
-        return carried(self.form, t, x, state.w * self.sizes, z * self.sizes, near)
+        x, last_strain = self.placed(t, state.u, state.memory)
+        return state_at_rates(self.form, t, x, state.w * self.sizes, z * self.sizes, last_strain)
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
         """Forces out of balance along the degrees of freedom (THEORY.md 5, eq. (5.3))."""
@@ -98,8 +98,8 @@ class ReducedForm(Record):
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]):
         """Rates of coordinates and deformations."""
-        x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
-        _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, near)
+        x, v, _, last_strain = self.everything(t, state, jnp.zeros(self.size))
+        _, jacobian = deformation_jacobian(self.form.topology, self.form.parameters, x, last_strain)
         return jnp.concatenate([v, jacobian @ v])
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
@@ -108,12 +108,12 @@ class ReducedForm(Record):
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
-        x, v, _, near = self.everything(t, state, jnp.zeros(self.size))
-        return WholeMotion(x, v, near, jnp.zeros(0))
+        x, v, _, last_strain = self.everything(t, state, jnp.zeros(self.size))
+        return WholeMotion(x, v, last_strain, jnp.zeros(0))
 
 
 def reduced_form(form: CoordinatesForm) -> ReducedForm:
     """Equations of motion in the degrees of freedom of a model."""
     top = form.topology
-    sizes = jax.lax.stop_gradient(sizes_of(top, form.parameters))[top.x.dof]
+    sizes = jax.lax.stop_gradient(coordinate_scales(top, form.parameters))[top.x.dof]
     return ReducedForm(form, jnp.concatenate([sizes, jnp.ones(top.e.dof.shape[0])]))

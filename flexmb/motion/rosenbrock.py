@@ -10,12 +10,12 @@ from ..compilation.compile import jit_beside_options
 from .balance import balanced_error
 from .protocol import MotionState
 from .solver import MotionSolver
-from .stages import RODAS5P, Tableau, step_taken
+from .stages import RODAS5P, Tableau, rosenbrock_step
 from .term import MotionTerm, equations_of
 
 
 class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
-    """Rosenbrock methods: one factorisation per step, one solve per stage; see :func:`step_taken`.
+    """Rosenbrock methods: one factorisation per step, one solve per stage; see :func:`rosenbrock_step`.
 
     Accelerations and multipliers are carried from step to step, and computed anew after a jump. After each step the
     state is brought back onto the constraints.
@@ -53,13 +53,13 @@ class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
         equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
         if self.jumps:
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
-        taken = step_taken(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
-        y1 = equations.settle(t1, taken.end, taken.mass)
-        error: Any = taken.error
+        outcome = rosenbrock_step(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
+        y1 = equations.settle(t1, outcome.end, outcome.mass)
+        error: Any = outcome.error
         if self.balanced:
-            error = balanced_error(equations, (t0, t1), (y0, y1), z0, taken)
-        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=taken.z[:n])
-        return y1, error, dense, taken.z, diffrax.RESULTS.successful
+            error = balanced_error(equations, (t0, t1), (y0, y1), z0, outcome)
+        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=outcome.z[:n])
+        return y1, error, dense, outcome.z, diffrax.RESULTS.successful
 
 
 class Rodas5P(Rosenbrock):

@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, checked_times, computed, is_concrete, shown, undifferentiated
+from ..arguments import as_floats, checked_times, computed, is_concrete, short_repr, undifferentiated
 from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
@@ -39,7 +39,7 @@ from .loop import Loop, as_feedback, with_functions
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
-from .start import Start, begins_still, driving, warn_of_found
+from .start import Start, begins_still, driving, warn_of_start
 from .sudden import sudden_changes
 
 if TYPE_CHECKING:
@@ -144,7 +144,7 @@ def simulate(
     as_model(model, "simulate")
     drives, loop, integrator = _records(drives, loop, integrator, keywords)
     if not isinstance(progress, bool) and not callable(progress):
-        raise TypeError(f"Argument `progress` must be True, False or a function, not {shown(progress)}.")
+        raise TypeError(f"Argument `progress` must be True, False or a function, not {short_repr(progress)}.")
     given_times = checked_times(times)
     times = jnp.asarray(given_times, float)
     top = model.topology
@@ -172,13 +172,13 @@ def simulate(
         integrator = dataclasses.replace(integrator, event=event)
     run = _integrated(problem, integrator, given_times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
-    (x, xd, near, u), result = run.rows, run.result
+    (x, xd, last_strain, u), result = run.rows, run.result
     if stopped:
         times = times[: len(x)]
     elif progress:
         # Times after a failure.
-        left = ((0, len(times) - len(x)), (0, 0))
-        x, xd, near, u = (jnp.pad(column, left, constant_values=jnp.inf) for column in run.rows)
+        padding = ((0, len(times) - len(x)), (0, 0))
+        x, xd, last_strain, u = (jnp.pad(column, padding, constant_values=jnp.inf) for column in run.rows)
     order = problem.order
     if order is not None and order.places.too_large and is_concrete(result):
         result = jnp.full_like(result, RESULTS.out_of_memory)
@@ -187,7 +187,7 @@ def simulate(
         times,
         x,
         xd,
-        near,
+        last_strain,
         u,
         run.steps,
         result,
@@ -198,14 +198,14 @@ def simulate(
         run.last.before.balance.share,
     )
     if model.labels.found and driving(model.parameters, driven) and is_concrete((motion, start)):
-        warn_of_found(motion, start)
+        warn_of_start(motion, start)
     if throw and is_concrete(motion.result) and int(motion.result) not in (RESULTS.successful, RESULTS.stopped):
         known, begun, asked = undifferentiated((motion, start, problem))
         if is_concrete((known, asked, begun, integrator)):
             _refuse_not_finite(known, drives, loop)
             if int(motion.result) in CONTROLLER_MAY_FAIL:
                 _refuse_controller(asked, integrator, given_times, begun, known)
-    _tell(motion, run.jumped, throw and not stopped)
+    _check_motion(motion, run.jumped, throw and not stopped)
     _warn_of_energy(motion, integrator)
     warn_of_coarse(model, motion.e)
     if feedback is not None:
@@ -218,15 +218,15 @@ def _records(
     drives: Drives | None, loop: Loop | None, integrator: Integrator | None, keywords: Mapping[str, Any]
 ) -> tuple[Drives, Loop, Integrator]:
     """Records of arguments with the keywords that belong to them."""
-    given: dict[str, Any] = {**keywords}
+    remaining: dict[str, Any] = {**keywords}
     records = (
-        _group("drives", drives, Drives, given),
-        _group("loop", loop, Loop, given),
-        _group("integrator", integrator, Integrator, given),
+        _group("drives", drives, Drives, remaining),
+        _group("loop", loop, Loop, remaining),
+        _group("integrator", integrator, Integrator, remaining),
     )
-    if given:
+    if remaining:
         known = ", ".join(Keywords.__annotations__)
-        raise TypeError(f"fm.simulate has no keyword `{next(iter(given))}`. Further keywords are: {known}.")
+        raise TypeError(f"fm.simulate has no keyword `{next(iter(remaining))}`. Further keywords are: {known}.")
     return records
 
 
@@ -262,32 +262,34 @@ def _stops(
     return sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
 
 
-def _integrated(problem: Problem, integrator: Integrator, wanted: Any, start: Start, progress: Any) -> Integrated:
+def _integrated(
+    problem: Problem, integrator: Integrator, requested_times: Any, start: Start, progress: Any
+) -> Integrated:
     """The motion: in parts to show progress, between samples of a controller, or at once."""
-    times = jnp.asarray(wanted, float)
+    times = jnp.asarray(requested_times, float)
     feedback = problem.feedback
     none = np.zeros(len(problem.model.labels.inputs))
     at = Reached(start, (feedback.start, none) if isinstance(feedback, Sampled) else None, at_start())
-    if isinstance(feedback, Sampled) and isinstance(wanted, jax.core.Tracer):
+    if isinstance(feedback, Sampled) and isinstance(requested_times, jax.core.Tracer):
         raise TypeError("A sampled controller needs concrete times. Give them outside jax.jit and jax.grad.")
     with _naming_the_adjoint():
         if progress:
             return integrate_in_parts(problem, integrator, times, at, progress)
         if isinstance(feedback, Sampled):
-            grid = sampled_intervals(wanted, feedback.period, wanted[0], wanted[-1])
+            grid = sampled_intervals(requested_times, feedback.period, requested_times[0], requested_times[-1])
             return integrate_sampled(problem, integrator, grid, times, at)
         # Selected on the host: JAX would compile eight small programs.
         span = np.asarray(times)[[0, -1]] if is_concrete(times) else times[jnp.array([0, -1])]
         return integrate(problem, integrator, span, times, at)
 
 
-def _tell(found: Motion, jumped: Any, throw: bool) -> None:
+def _check_motion(motion: Motion, jumped: Any, throw: bool) -> None:
     """Raise for a failed motion, and warn of forces that jump under differentiation."""
     about = ""
-    if throw and is_concrete(found.result) and int(found.result) == RESULTS.singular_mass:
-        about = without_mass(found.model)
-    check(found.result, throw, about)
-    if throw and not is_concrete(found.x):
+    if throw and is_concrete(motion.result) and int(motion.result) == RESULTS.singular_mass:
+        about = without_mass(motion.model)
+    check(motion.result, throw, about)
+    if throw and not is_concrete(motion.x):
         # Numbers are differentiated or traced.
         if not is_concrete(jumped):
             collect(jnp.where(jumped, RESULTS.forces_jump, RESULTS.successful))
@@ -295,12 +297,12 @@ def _tell(found: Motion, jumped: Any, throw: bool) -> None:
             warn(RESULTS.forces_jump.message)
 
 
-def _warn_of_energy(found: Motion, integrator: Integrator) -> None:
+def _warn_of_energy(motion: Motion, integrator: Integrator) -> None:
     """Warn of energy that no force explains."""
-    if not is_concrete((found.energy_error, found.result, integrator.rtol)):
+    if not is_concrete((motion.energy_error, motion.result, integrator.rtol)):
         return
-    share, rtol = float(found.energy_error), float(np.asarray(integrator.rtol))
-    if int(found.result) == RESULTS.successful and share > max(ENERGY_OF_MOTION * rtol, ENERGY_ROUND_OFF):
+    share, rtol = float(motion.energy_error), float(np.asarray(integrator.rtol))
+    if int(motion.result) == RESULTS.successful and share > max(ENERGY_OF_MOTION * rtol, ENERGY_ROUND_OFF):
         warn(
             f"The motion gains or loses {100 * share:.2g} % of its greatest energy without work by a load, damper,"
             f" controller or prescribed motion. Displacements are within `rtol` = {rtol:.2g} in each step. Give a"
@@ -322,16 +324,16 @@ def _naming_the_adjoint() -> Iterator[None]:
         ) from fault
 
 
-def _reached(found: Motion) -> np.ndarray:
+def _reached(motion: Motion) -> np.ndarray:
     """Last time that a motion reached, and the next time [s]."""
-    times = np.asarray(found.t)
-    last = max(int(np.sum(np.all(np.isfinite(np.asarray(found.x)), axis=1))) - 1, 0)
+    times = np.asarray(motion.t)
+    last = max(int(np.sum(np.all(np.isfinite(np.asarray(motion.x)), axis=1))) - 1, 0)
     return times[[last, min(last + 1, len(times) - 1)]]
 
 
-def _refuse_not_finite(found: Motion, drives: Drives, loop: Loop) -> None:
+def _refuse_not_finite(motion: Motion, drives: Drives, loop: Loop) -> None:
     """Refuse numbers of the model and functions of time that are not finite, after a failed motion."""
-    model = found.model
+    model = motion.model
     for path, leaf in jax.tree_util.tree_leaves_with_path(model.parameters):
         if not np.all(np.isfinite(np.asarray(leaf))):
             where = jax.tree_util.keystr(path)
@@ -339,24 +341,26 @@ def _refuse_not_finite(found: Motion, drives: Drives, loop: Loop) -> None:
     signals = [s.name for s in model.labels.inputs for _ in s.terms if s.name in (drives.inputs or {})]
     names = [f"Load '{name}'" for name in drives.loads or {}] + [f"Motion '{name}'" for name in drives.motion or {}]
     names += [f"Input '{name}'" for name in signals] + ["Argument `increment`"]
-    laws = [(what, drive.value, drive.quantity in MOVED) for what, drive in zip(names, found.driven, strict=False)]
+    laws = [
+        (subject, drive.value, drive.quantity in MOVED) for subject, drive in zip(names, motion.driven, strict=False)
+    ]
     if loop.reference is not None:
         laws.append(("Argument `reference`", loop.reference, False))
-    times, (last, following) = np.asarray(found.t), _reached(found)
+    times, (last, following) = np.asarray(motion.t), _reached(motion)
     failed = np.linspace(last, following, LOOKED_AT)
     looked_at = np.unique(np.concatenate([times, np.linspace(times[0], times[-1], LOOKED_AT), failed]))
-    for what, law, moves in laws:
+    for subject, law, moves in laws:
         for t in looked_at:
             if not np.all(np.isfinite(np.asarray(law(jnp.asarray(t))))):
                 raise AnalysisError(
-                    "not_finite", f"{what} is not finite at t = {t:.6g} s. It must be finite at all times."
+                    "not_finite", f"{subject} is not finite at t = {t:.6g} s. It must be finite at all times."
                 )
         # The rates of a prescribed motion must be finite too.
         for t in failed if moves else ():
             if not all(np.all(np.isfinite(np.asarray(rate))) for rate in _rates(law, t)):
                 raise AnalysisError(
                     "not_finite",
-                    f"{what} has a velocity or an acceleration that is not finite at t = {t:.6g} s. Use a smooth"
+                    f"{subject} has a velocity or an acceleration that is not finite at t = {t:.6g} s. Use a smooth"
                     " function, such as fm.trajectory.quintic.",
                 )
 
@@ -370,16 +374,18 @@ def _rates(law: Callable, t: float) -> tuple[Any, Any]:
     return jax.jvp(rate, (jnp.asarray(t),), (jnp.ones(()),))
 
 
-def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, start: Start, found: Motion) -> None:
+def _refuse_controller(
+    problem: Problem, integrator: Integrator, requested_times: Any, start: Start, motion: Motion
+) -> None:
     """Refuse a controller that returned NaN or infinity, by computing the failed motion again."""
     feedback: Any = problem.feedback
     seen: list[tuple[Any, ...]] = []
     if feedback is None:
         return
 
-    def note(t: np.ndarray, y: np.ndarray, given: tuple[Any, Any], failed: np.ndarray) -> None:
+    def note(t: np.ndarray, y: np.ndarray, results: tuple[Any, Any], failed: np.ndarray) -> None:
         if failed:
-            seen.append((float(t), np.asarray(y), *map(np.asarray, given)))
+            seen.append((float(t), np.asarray(y), *map(np.asarray, results)))
 
     def watched(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"], u: Any, rate: Any):
         arguments, (u, rate) = _flat((t, z, y)), map(_flat, (u, rate))
@@ -396,44 +402,44 @@ def _refuse_controller(problem: Problem, integrator: Integrator, wanted: Any, st
         watched(t, z, y, u, () if feedback.rate is None else feedback.rate(t, z, y))
         return u
 
-    watching = with_functions(feedback, len(found.model.labels.outputs), step=step, output=output)
-    _integrated(dataclasses.replace(problem, feedback=watching), integrator, wanted, start, False)
+    watching = with_functions(feedback, len(motion.model.labels.outputs), step=step, output=output)
+    _integrated(dataclasses.replace(problem, feedback=watching), integrator, requested_times, start, False)
     jax.effects_barrier()
     if not isinstance(feedback, Sampled):
         # A refused step that is repeated with a smaller size is no failure.
-        seen = [call for call in seen if call[0] >= _reached(found)[0]]
+        seen = [call for call in seen if call[0] >= _reached(motion)[0]]
     if not seen:
         return
     t, y, u, _ = min(seen, key=lambda call: call[0])
-    inputs = [s.name for s in found.model.labels.inputs]
+    inputs = [s.name for s in motion.model.labels.inputs]
     wrong = [name for name, value in zip(inputs, u, strict=False) if not np.isfinite(value)]
-    what = f"for the input '{wrong[0]}'" if wrong else "for its own state"
-    outputs = ", ".join(f"{s.name} = {v:.6g}" for s, v in zip(found.model.labels.outputs, y, strict=False))
+    where = f"for the input '{wrong[0]}'" if wrong else "for its own state"
+    outputs = ", ".join(f"{s.name} = {v:.6g}" for s, v in zip(motion.model.labels.outputs, y, strict=False))
     raise AnalysisError(
         "not_finite",
-        f"The controller returns a number that is not finite {what} at t = {t:.6g} s. The outputs there are {outputs}."
+        f"The controller returns a number that is not finite {where} at t = {t:.6g} s. The outputs there are {outputs}."
         " A controller must return finite numbers for all outputs and times.",
     )
 
 
-def _flat(given: Any) -> Float[Array, "k"]:
+def _flat(tree: Any) -> Float[Array, "k"]:
     """All numbers of a pytree in a row."""
-    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(jnp.asarray(leaf, float)) for leaf in jax.tree.leaves(given))])
+    return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(jnp.asarray(leaf, float)) for leaf in jax.tree.leaves(tree))])
 
 
 def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str, Any]) -> Group:
     """A record with the keywords that belong to it, which are removed; None means not given."""
     if group is not None and not isinstance(group, kind):
-        raise TypeError(f"Argument `{name}` must be fm.{kind.__name__}(..), not {shown(group)}.")
-    own = {field.name: keywords.pop(field.name, None) for field in dataclasses.fields(kind)}
-    own = {name: value for name, value in own.items() if value is not None}
-    return dataclasses.replace(kind() if group is None else group, **own)
+        raise TypeError(f"Argument `{name}` must be fm.{kind.__name__}(..), not {short_repr(group)}.")
+    options = {field.name: keywords.pop(field.name, None) for field in dataclasses.fields(kind)}
+    options = {name: value for name, value in options.items() if value is not None}
+    return dataclasses.replace(kind() if group is None else group, **options)
 
 
 def _event_now(problem: Problem, integrator: Integrator, event: Any, times: Float[Array, "n_t"], start: Start):
     """Event with captured conditions, checked at the start if numbers are known."""
     t, form = times[0], str(integrator.form)
-    like = jax.eval_shape(lambda given: begin(problem, form, t, given), start)
+    like = jax.eval_shape(lambda initial: begin(problem, form, t, initial), start)
     event = as_it_is(event, t, like)
     conditions = conditions_of(event)
     if conditions and is_concrete((problem, times, start, conditions)):
@@ -472,7 +478,7 @@ def _initial(model: Model, initial: Any):
             warn_of_needless_strain(model, np.asarray(initial.e), "At the start", remedy)
     if not isinstance(initial, Equilibrium | Configuration | Motion):
         raise TypeError(
-            f"Argument `initial` must be an Equilibrium, a Configuration or a Motion, not {shown(initial)}."
+            f"Argument `initial` must be an Equilibrium, a Configuration or a Motion, not {short_repr(initial)}."
         )
     if initial.labels.x != model.labels.x:
         raise ModelError(
@@ -484,14 +490,14 @@ def _initial(model: Model, initial: Any):
         return Start(initial.x[-1], initial.xd[-1], _counted(model, initial, initial.near[-1]))
     if is_concrete(initial.result):
         check(initial.result, True)
-    rest = as_floats(np.zeros(model.topology.n_x))
-    rates = initial.xd if isinstance(initial, Configuration) else rest
+    zero_rates = as_floats(np.zeros(model.topology.n_x))
+    rates = initial.xd if isinstance(initial, Configuration) else zero_rates
     return Start(initial.x, rates, _counted(model, initial, initial.e))
 
 
-def _is_zero(given: Any) -> bool:
+def _is_zero(value: Any) -> bool:
     """Whether prescribed values are known to be zero."""
-    return given is None or (is_concrete(given) and not np.any(np.asarray(given)))
+    return value is None or (is_concrete(value) and not np.any(np.asarray(value)))
 
 
 def _counted(model: Model, initial: Any, e: Float[Array, "n"]) -> Float[Array, "n_e"]:

@@ -163,9 +163,9 @@ def _code(solution: Any, states: MotionState, equal: bool, event: Any) -> Int[Ar
 
 def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Array, ""], parts: float, equal: bool):
     """First step: as given, or a step in which the greatest acceleration causes a motion of some ten tolerances."""
-    given = jnp.asarray(integrator.dt0)
+    requested = jnp.asarray(integrator.dt0)
     guess = jnp.fmin(jnp.sqrt(20 * (integrator.rtol + integrator.atol) / fast), span / parts)
-    first = jnp.where(given > 0, given, guess)
+    first = jnp.where(requested > 0, requested, guess)
     if not equal:
         return first
     # Round-off must not add a step to a whole number of equal steps.

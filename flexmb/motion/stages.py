@@ -144,7 +144,7 @@ def _coefficients(tableau: Tableau) -> np.ndarray:
     return np.column_stack([tableau.a, tableau.c, tableau.alpha, tableau.gammas])
 
 
-class Taken(NamedTuple):
+class StepResult(NamedTuple):
     """Result of a step.
 
     Attributes:
@@ -162,7 +162,7 @@ class Taken(NamedTuple):
     bows: Float[Array, "3 r"]
 
 
-def step_taken(
+def rosenbrock_step(
     equations: Equations,
     tableau: Tableau,
     t: Float[Array, ""],
@@ -170,7 +170,7 @@ def step_taken(
     state: MotionState,
     z: Float[Array, "r"],
     end: Any = None,
-) -> Taken:
+) -> StepResult:
     """One step of a Rosenbrock method, from `t` of length `h`.
 
     `end` limits the times of stages, so that round-off does not pass a jump of the loads.
@@ -186,14 +186,14 @@ def step_taken(
     rate = 1.0 / jnp.where(h == 0, 1.0, h)
     solve = tangent.solver(hg)
 
-    def apart(row: Float[Array, "k"]):
+    def split_row(row: Float[Array, "k"]):
         return row[:n], row[n : 2 * n], row[2 * n :]
 
     def stage(i: Array, increments: Float[Array, "stages k"]):
         row = jax.lax.dynamic_index_in_dim(rows, i, keepdims=False)
-        both, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
+        coefficients, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
         # Sums of u, w and z over earlier stages.
-        (du, dw, dz), (cu, cw, _) = map(apart, both @ increments)
+        (du, dw, dz), (cu, cw, _) = map(split_row, coefficients @ increments)
         at_stage, z_stage = MotionState(state.u + du, state.w + dw, state.memory), z + dz
         time = t + alpha * h if end is None else jnp.minimum(t + alpha * h, end)
         r = equations.residual(time, at_stage, z_stage)
@@ -208,9 +208,11 @@ def step_taken(
 
     rows, nothing = jnp.asarray(rows), jnp.zeros((len(tableau.m), 2 * n + z.shape[0]))
     sums = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
-    (du, dw, dz), (error_u, error_w, _) = map(apart, sums[:2])
+    (du, dw, dz), (error_u, error_w, _) = map(split_row, sums[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
-    return Taken(MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, sums[2:, 2 * n :])
+    return StepResult(
+        MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, sums[2:, 2 * n :]
+    )
 
 
 def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[Array, ""]) -> Float[Array, "r"]:
@@ -219,7 +221,7 @@ def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[
     return (1 - share) * ends[0] + share * (ends[1] + (1 - share) * bow)
 
 
-def between(
+def state_within_step(
     times: tuple[Any, Any], states: tuple[MotionState, MotionState], rates: tuple[Any, Any], t: Float[Array, ""]
 ) -> MotionState:
     """State at a time within a step, by Hermite polynomials of order three in positions and in velocities."""

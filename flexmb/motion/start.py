@@ -13,7 +13,7 @@ from ..display import among
 from ..errors import warn
 from ..math.indices import put
 from ..mechanics.deformation import correction, deformation_jacobian, transfer
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..model.parameters import Parameters
 from ..numerical_limits import CONFIGURATION_STEP, MOVED_START, SETTLED_START
 from .coordinates_form import CoordinatesForm
@@ -40,22 +40,24 @@ def driving(parameters: Parameters, driven: tuple[Driven, ...]) -> tuple[Driven,
     """Functions of time that drive held coordinates or deformations, also by temperature."""
     grows = parameters.increment
     scaled = grows is not None and any(part is not None for part in (grows.x, grows.e, grows.temperature))
-    held = ("x", "e", "temperature", "increment") if scaled else ("x", "e", "temperature")
-    return tuple(drive for drive in driven if drive.quantity in held)
+    quantities = ("x", "e", "temperature", "increment") if scaled else ("x", "e", "temperature")
+    return tuple(drive for drive in driven if drive.quantity in quantities)
 
 
 def begins_still(parameters: Parameters, driven: tuple[Driven, ...], t: Any) -> bool:
     """Whether everything held is known to start at its place and at rest."""
-    held = driving(parameters, driven)
-    if not held:
+    excitations = driving(parameters, driven)
+    if not excitations:
         return True
-    return is_concrete((held, t)) and not any(np.any(np.asarray(part)) for part in _begins(held, as_floats(t)))
+    return is_concrete((excitations, t)) and not any(
+        np.any(np.asarray(part)) for part in _begins(excitations, as_floats(t))
+    )
 
 
-def warn_of_found(motion: Motion, given: Start) -> None:
+def warn_of_start(motion: Motion, given: Start) -> None:
     """Warn if a driven motion depends on degrees of freedom that were found; `given` is the start without drives."""
     model = motion.model
-    size = np.asarray(sizes_of(model.topology, model.parameters))
+    size = np.asarray(coordinate_scales(model.topology, model.parameters))
     rates = np.asarray(motion.xd) / size
     # Times that were not reached have no rates.
     fastest = np.max(np.abs(rates), initial=0.0, where=np.isfinite(rates))
@@ -78,8 +80,8 @@ def _begins(held: tuple[Driven, ...], t: Float[Array, ""]) -> tuple[Array, ...]:
 def is_determined(form: CoordinatesForm) -> bool:
     """Whether the number of degrees of freedom determines the mechanism."""
     top = form.topology
-    given = (top.e.fixed, top.e.prescribed, top.e.dof)
-    return top.x.dependent.shape[0] == sum(indices.shape[0] for indices in given)
+    independent = (top.e.fixed, top.e.prescribed, top.e.dof)
+    return top.x.dependent.shape[0] == sum(indices.shape[0] for indices in independent)
 
 
 def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tuple[Start, Bool[Array, ""]]:
@@ -90,14 +92,16 @@ def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tu
     """
     reduced = reduced_form(form)
     state = reduced.state_of(*given)
-    x, near = form.placed(_aim(form, t), state.u * reduced.sizes, *_walked(*jax.lax.stop_gradient((form, t, state))))
+    x, last_strain = form.placed(
+        _aim(form, t), state.u * reduced.sizes, *_driven_in_steps(*jax.lax.stop_gradient((form, t, state)))
+    )
     at = _aim(form, t)
-    e, jacobian = deformation_jacobian(form.topology, form.parameters, x, near)
+    e, jacobian = deformation_jacobian(form.topology, form.parameters, x, last_strain)
     off = jnp.max(jnp.abs(e[form.held] - at.e), initial=0.0)
-    largest = jnp.max(sizes_of(form.topology, form.parameters), initial=1.0)
+    largest = jnp.max(coordinate_scales(form.topology, form.parameters), initial=1.0)
     v = rates_at(form, at, transfer(form.topology, jacobian), jacobian, state.w * reduced.sizes)
-    there = (off <= SETTLED_START * largest) & jnp.all(jnp.isfinite(x)) & jnp.all(jnp.isfinite(v))
-    return Start(x, v, near), there
+    met = (off <= SETTLED_START * largest) & jnp.all(jnp.isfinite(x)) & jnp.all(jnp.isfinite(v))
+    return Start(x, v, last_strain), met
 
 
 def _aim(form: CoordinatesForm, t: Float[Array, ""]):
@@ -105,7 +109,7 @@ def _aim(form: CoordinatesForm, t: Float[Array, ""]):
     return form.whole(t, none, none, none)
 
 
-def _walked(form: CoordinatesForm, t: Float[Array, ""], state: Any) -> tuple[Array, Array]:
+def _driven_in_steps(form: CoordinatesForm, t: Float[Array, ""], state: Any) -> tuple[Array, Array]:
     """Coordinates and deformations near the driven place, in steps from the given state."""
     reduced: ReducedForm = reduced_form(form)
     top, q = form.topology, state.u * reduced.sizes
@@ -115,17 +119,17 @@ def _walked(form: CoordinatesForm, t: Float[Array, ""], state: Any) -> tuple[Arr
     # How far everything moves, to first order.
     _, jacobian = deformation_jacobian(top, form.parameters, x, e)
     change = put(jnp.zeros(top.n_e), form.held, e[form.held] - aim.e) + jacobian @ shift
-    way = correction(top, transfer(top, jacobian), change, shift) / sizes_of(top, form.parameters)
+    way = correction(top, transfer(top, jacobian), change, shift) / coordinate_scales(top, form.parameters)
     longest = jnp.max(jnp.abs(way), initial=0.0)
     steps = jnp.clip(
         jnp.ceil(jnp.where(jnp.isfinite(longest), longest, 1.0) / CONFIGURATION_STEP), 0, MOST_STEPS
     ).astype(jnp.int32)
 
     def further(at: tuple[Array, Array, Array]):
-        step, x, near = at
-        left = 1 - (step + 1).astype(float) / steps.astype(float)
-        partly = aim._replace(x=aim.x - left * shift, e=aim.e - left * (aim.e - e[form.held]))
-        return step + 1, *form.placed(partly, q, x, near, CORRECTIONS)
+        step, x, last_strain = at
+        remaining = 1 - (step + 1).astype(float) / steps.astype(float)
+        partly = aim._replace(x=aim.x - remaining * shift, e=aim.e - remaining * (aim.e - e[form.held]))
+        return step + 1, *form.placed(partly, q, x, last_strain, CORRECTIONS)
 
-    _, x, near = jax.lax.while_loop(lambda at: at[0] < steps, further, (jnp.zeros((), jnp.int32), x, e))
-    return x, near
+    _, x, last_strain = jax.lax.while_loop(lambda at: at[0] < steps, further, (jnp.zeros((), jnp.int32), x, e))
+    return x, last_strain

@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Int
 
 from ..math.derivative import Varied
 from .protocol import MotionState
-from .stages import RODAS5P, between, step_taken
+from .stages import RODAS5P, rosenbrock_step, state_within_step
 
 # Steps whose states are stored at once, some ten megabytes. For many coordinates fewer steps, with this number of
 # numbers together, but at least the last number of steps.
@@ -73,8 +73,8 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
 
     def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
         equations = parts[0].whole(numbers)
-        taken = step_taken(equations, RODAS5P, t0, t1 - t0, state, z)
-        return equations.settle(t1, taken.end, taken.mass), taken.z
+        outcome = rosenbrock_step(equations, RODAS5P, t0, t1 - t0, state, z)
+        return equations.settle(t1, outcome.end, outcome.mass), outcome.z
 
     z = jnp.zeros(parts[0].whole(numbers).unknowns)
     size = sum(leaf.size for leaf in jax.tree.leaves((start, z)))
@@ -95,9 +95,9 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
             (after, z1), pull = jax.vjp(stepped, numbers, state, z, t0, t1)
         else:
             (after, z1), pull = jax.vjp(lambda n, s, z: stepped(n, s, z, t0, t1), numbers, state, z)
-        whole = (t0, t1), (state, after), (z, z1)
+        step_ends = (t0, t1), (state, after), (z, z1)
         by_times = None if m.edges is None else m.edges[1]
-        row, (by_whole, by_times) = _over_rows(timed.times, changes, whole, m.row, by_times)
+        row, (by_whole, by_times) = _over_rows(timed.times, changes, step_ends, m.row, by_times)
         by_span, (by_begin, by_end), (by_z, by_z1) = by_whole
         of_numbers, of_state, of_z, *of_span = pull(jax.tree.map(jnp.add, m.end, (by_end, by_z1)))
         by_edges = None
@@ -155,23 +155,23 @@ def _put(rows: Any, place: Any, at: Any) -> Any:
     return jax.tree.map(lambda rows, leaf: rows.at[place].set(leaf), rows, at)
 
 
-def _over_rows(times: Array, changes: MotionState, whole: Any, row: Any, by_times: Array | None):
+def _over_rows(times: Array, changes: MotionState, step_ends: Any, row: Any, by_times: Array | None):
     """Derivatives of the rows within a step, from the last, by states at its ends and by their times."""
 
-    def state(whole: Any, t: Float[Array, ""]):
-        n = whole[1][0].u.shape[0]
-        return between(whole[0], whole[1], tuple(z[:n] for z in whole[2]), t)
+    def state(step_ends: Any, t: Float[Array, ""]):
+        n = step_ends[1][0].u.shape[0]
+        return state_within_step(step_ends[0], step_ends[1], tuple(z[:n] for z in step_ends[2]), t)
 
     def within(at: tuple[Any, Any]):
-        return (at[0] >= 0) & (times[jnp.maximum(at[0], 0)] > whole[0][0])
+        return (at[0] >= 0) & (times[jnp.maximum(at[0], 0)] > step_ends[0][0])
 
     def added(at: tuple[Any, Any]):
         row, (by_whole, by_times) = at
-        by_ends, by_time = jax.vjp(state, whole, times[row])[1](jax.tree.map(lambda rows: rows[row], changes))
+        by_ends, by_time = jax.vjp(state, step_ends, times[row])[1](jax.tree.map(lambda rows: rows[row], changes))
         by_times = None if by_times is None else by_times.at[row].add(by_time)
         return row - 1, (jax.tree.map(jnp.add, by_whole, by_ends), by_times)
 
-    return jax.lax.while_loop(within, added, (row, (jax.tree.map(jnp.zeros_like, whole), by_times)))
+    return jax.lax.while_loop(within, added, (row, (jax.tree.map(jnp.zeros_like, step_ends), by_times)))
 
 
 def _moved_along(ends: Float[Array, "most"], known: Span, span: Span) -> Float[Array, "most"]:

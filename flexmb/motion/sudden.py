@@ -34,11 +34,11 @@ def sudden_changes(functions: Sequence[Any], span: np.ndarray, named: bool = Fal
     """
     smooth = [f for f in functions if not has_table(f)]
     smooth = [f for f in smooth if not (isinstance(f, Captured) and (is_wave(f) or has_effects(f)))]
-    both = [(f, known) for f in smooth if is_concrete(known := undifferentiated(f))]
-    if not both or not span[0] < span[1]:
+    known_functions = [(f, known) for f in smooth if is_concrete(known := undifferentiated(f))]
+    if not known_functions or not span[0] < span[1]:
         return None
     times, edges = np.linspace(span[0], span[1], PARTS + 1), np.zeros(0, int)
-    for f, known in both:
+    for f, known in known_functions:
         values = np.asarray(_values(known, times))
         at_change = _edges(values)
         edges = np.union1d(edges, at_change[(at_change > 0) & (at_change < PARTS)])

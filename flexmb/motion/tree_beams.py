@@ -13,7 +13,7 @@ from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, deforming, element_function, with_rigidities
 from ..mechanics.staged import derivative_in_stages, hessian_in_stages
-from ..mechanics.tree import Tree, some_of
+from ..mechanics.tree import Tree, block_part
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from .coordinates_form import AllCoordinates
@@ -72,30 +72,36 @@ class TreeBeams(Record):
 
     def ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
         """Return displacement and rotation of each beam in one row."""
-        return jax.vmap(lambda c, kept: jnp.concatenate(self.bent(c, *kept).way))(x[self.c], self.kept)
+        return jax.vmap(lambda c, constants: jnp.concatenate(self.bent(c, *constants).way))(x[self.c], self.kept)
 
     def felt_ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams k"]:
         """Return the needed parts of :meth:`ways`."""
-        return jnp.concatenate(jax.vmap(lambda c, kept: self._felt(kept)(c).way)(x[self.c], self.kept), axis=1)
+        return jnp.concatenate(
+            jax.vmap(lambda c, constants: self._felt(constants)(c).way)(x[self.c], self.kept), axis=1
+        )
 
     def rates(self, at: AllCoordinates) -> tuple[Bent, Bent, Bent]:
         """Return the functions of the coefficients, their rates and second rates."""
-        rates = jax.vmap(lambda kept, *motion: rates_along(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        rates = jax.vmap(lambda constants, *motion: rates_along(self._felt(constants), *motion))(
+            self.kept, *self._motion(at)
+        )
         return _bent_of(rates)
 
     def derived(self, at: AllCoordinates) -> tuple[tuple[Bent, Bent, Bent], tuple[Bent, Bent, Bent]]:
         """Return :meth:`rates` and their derivatives by the coefficients, which are the last axis."""
-        pair = jax.vmap(lambda kept, *motion: derived_rates(self._felt(kept), *motion))(self.kept, *self._motion(at))
+        pair = jax.vmap(lambda constants, *motion: derived_rates(self._felt(constants), *motion))(
+            self.kept, *self._motion(at)
+        )
         return _bent_of(pair[0]), _bent_of(pair[1])
 
     def _motion(self, at: AllCoordinates) -> list[Array]:
         return [array[self.c] for array in (at.x, at.v, at.a)]
 
-    def _felt(self, kept: tuple[Array, ...]):
+    def _felt(self, constants: tuple[Array, ...]):
         """Return the needed functions of the coefficients of one beam."""
 
         def needed(c: Float[Array, "c"]) -> Bent:
-            bent = self.bent(c, *kept)
+            bent = self.bent(c, *constants)
             return bent._replace(way=bent.way[: self.parts])
 
         return needed
@@ -104,20 +110,20 @@ class TreeBeams(Record):
         """Return inertia vectors and their rates; `bent` comes from :meth:`rates`."""
         return jax.vmap(self._moved)(self.kept, *self._ends(at, falling), *(part.shape for part in bent))
 
-    def _ends(self, at: AllCoordinates, falling: Float[Array, "n_x"] | None) -> list[Any]:
-        return [None if array is None else array[self.ends] for array in (falling, at.x, at.v, at.a)]
+    def _ends(self, at: AllCoordinates, free_fall: Float[Array, "n_x"] | None) -> list[Any]:
+        return [None if array is None else array[self.ends] for array in (free_fall, at.x, at.v, at.a)]
 
-    def _moved(self, kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any) -> Moved:
+    def _moved(self, constants: tuple[Array, ...], free_fall: Float[Array, "k"] | None, *along: Any) -> Moved:
         """Return the inertia vectors of one beam from the motion of its first end and its shape."""
         placed: Any = self.placed
 
         def places(at: tuple[Array, tuple[Array, ...]]):
-            return placed(at[0], *kept, *at[1])
+            return placed(at[0], *constants, *at[1])
 
         x, v, a = zip(along[:3], along[3:], strict=True)
         s, sd, sdd = second_rate(places, x, v, a)
-        if falling is not None:
-            sdd = sdd - jax.jvp(lambda ends: places((ends, x[1])), (x[0],), (falling,))[1]
+        if free_fall is not None:
+            sdd = sdd - jax.jvp(lambda ends: places((ends, x[1])), (x[0],), (free_fall,))[1]
         return Moved(s, sd, sdd)
 
     def moved_and_derived(
@@ -125,12 +131,12 @@ class TreeBeams(Record):
     ) -> tuple[Moved, Moved]:
         """Return :meth:`moved` and its derivatives by the beams' coordinates, which are the last axis."""
 
-        def of_beam(kept: tuple[Array, ...], falling: Float[Array, "k"] | None, *along: Any):
+        def of_beam(constants: tuple[Array, ...], free_fall: Float[Array, "k"] | None, *along: Any):
             ends, shapes, by_coefficients = along[:3], along[3:6], along[6:]
-            by_ends = jax.jacfwd(lambda x: self._moved(kept, falling, x, *ends[1:], *shapes))(ends[0])
+            by_ends = jax.jacfwd(lambda x: self._moved(constants, free_fall, x, *ends[1:], *shapes))(ends[0])
 
             def changed(*changes: Any):
-                return jax.jvp(lambda *shapes: self._moved(kept, falling, *ends, *shapes), shapes, changes)
+                return jax.jvp(lambda *shapes: self._moved(constants, free_fall, *ends, *shapes), shapes, changes)
 
             moved, by_c = jax.vmap(changed, -1, (None, -1))(*by_coefficients)
             return moved, jax.tree.map(lambda a, b: jnp.concatenate([a, b], axis=-1), by_ends, by_c)
@@ -146,16 +152,16 @@ class TreeBeams(Record):
             return jnp.zeros(self.ends.shape), ()
         placed: Any = self.placed
 
-        def of_beam(kept: tuple[Array, ...], ends: Float[Array, "k"], shape: Any, weight: Float[Array, "k axes"]):
-            return jax.vjp(lambda ends, shape: placed(ends, *kept, *shape), ends, shape)[1](weight)
+        def of_beam(constants: tuple[Array, ...], ends: Float[Array, "k"], shape: Any, weight: Float[Array, "k axes"]):
+            return jax.vjp(lambda ends, shape: placed(ends, *constants, *shape), ends, shape)[1](weight)
 
         return jax.vmap(of_beam)(self.kept, x[self.ends], bent.shape, weights)
 
     def pulled_along(self, x: Float[Array, "n_x"], force: Bent) -> Float[Array, "beams coefficients"]:
         """Return forces on the coefficients from forces on their functions."""
 
-        def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], force: Bent):
-            return jax.vjp(self._felt(kept), c)[1](force)[0]
+        def of_beam(constants: tuple[Array, ...], c: Float[Array, "c"], force: Bent):
+            return jax.vjp(self._felt(constants), c)[1](force)[0]
 
         return jax.vmap(of_beam)(self.kept, x[self.c], force)
 
@@ -168,22 +174,22 @@ class TreeBeams(Record):
         """Return the mass matrix of the beams; `along` is the derivative of the coordinates by the free coordinates."""
         inner_first = jnp.concatenate([self.c, self.ends], axis=1)
 
-        def derived(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"]):
-            bend, closed = self._stages(kept, c)
+        def derived(constants: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"]):
+            bend, closed = self._stages(constants, c)
             return derivative_in_stages(bend, lambda ends, shape: closed(ends, shape)[1], c, ends)[1]
 
         j = jax.vmap(derived)(self.kept, x[self.c], x[self.ends])
         by_moving = jnp.einsum("bkax,bxn->bkan", j, along[inner_first])
         return jnp.einsum("bkan,bkl,blam->nm", by_moving, self.mass, by_moving)
 
-    def _stages(self, kept: tuple[Array, ...], c: Float[Array, "c"]):
+    def _stages(self, constants: tuple[Array, ...], c: Float[Array, "c"]):
         """Return the stages of one beam: coefficients to one array, first end and array to way and inertia vectors."""
-        bend, placed = self._felt(kept), self.placed
-        whole = ravel_pytree(bend(c))[1]
+        bend, placed = self._felt(constants), self.placed
+        unravel = ravel_pytree(bend(c))[1]
 
         def closed(ends: Float[Array, "k"], shape: Float[Array, "s"]):
-            bent = whole(shape)
-            return bent.way, None if placed is None else placed(ends, *kept, *bent.shape)
+            bent = unravel(shape)
+            return bent.way, None if placed is None else placed(ends, *constants, *bent.shape)
 
         return lambda c: ravel_pytree(bend(c))[0], closed
 
@@ -222,13 +228,13 @@ class TreeBeams(Record):
     ) -> Float[Array, "beams k k"]:
         """Return derivatives by the beams' coordinates of their generalised forces from constant forces."""
 
-        def of_beam(kept: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"], *forces: Any):
-            bend, closed = self._stages(kept, c)
+        def of_beam(constants: tuple[Array, ...], c: Float[Array, "c"], ends: Float[Array, "k"], *forces: Any):
+            bend, closed = self._stages(constants, c)
 
             def work(ends: Float[Array, "k"], shape: Float[Array, "s"]):
                 way, places = closed(ends, shape)
                 pairs = zip(jax.tree.leaves(forces), jax.tree.leaves((places, way)), strict=True)
-                return sum((jnp.sum(force * of) for force, of in pairs), jnp.zeros(()))
+                return sum((jnp.sum(force * quantity) for force, quantity in pairs), jnp.zeros(()))
 
             return jnp.roll(hessian_in_stages(bend, work, c, ends), ends.size, (0, 1))
 
@@ -242,44 +248,46 @@ def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
 
 def tree_beams(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[TreeBeams, ...]:
     """All beams with computed last ends, prepared for motion."""
-    beams, felt = [], [0] * len(topology.blocks)
+    beams, part_counts = [], [0] * len(topology.blocks)
     if tree.felt is not None:
         parts = 2 if tree.felt.turns.shape[1] else 1
-        felt = [parts if rows.shape[0] else 0 for rows in tree.felt.rows]
-    blocks = zip(topology.blocks, parameters.properties, tree.rows, felt, strict=True)
+        part_counts = [parts if rows.shape[0] else 0 for rows in tree.felt.rows]
+    blocks = zip(topology.blocks, parameters.properties, tree.rows, part_counts, strict=True)
     for block, properties, (rows, _), needed in blocks:
         if rows.shape[0]:
-            beams.append(_prepared(*some_of(block, properties, rows), parameters.reference, needed))
+            beams.append(_prepared(*block_part(block, properties, rows), parameters.reference, needed))
     return tuple(beams)
 
 
 def _prepared(block: Block, properties: dict[str, Any], reference: Float[Array, "n_x"], parts: int) -> TreeBeams:
     inertia, properties = companion_of(block, with_rigidities(properties), "inertia")
     deforms = "deformation" in block.companions
-    passage: Any = element_function(block, block.element.passage, deforming(block, properties)) if deforms else None
+    way_function: Any = (
+        element_function(block, block.element.passage, deforming(block, properties)) if deforms else None
+    )
     # Coordinates are position and rotation of the first end, of the last end, and coefficients.
     ends, first = block.splits[1], block.splits[-1]
     ref = reference[block.x]
 
     def every(constant: tuple[Any, ...], c: tuple[Array], end: tuple[Array]):
-        ref, own = constant
+        ref, element_properties = constant
         known = jnp.split(ref, block.splits)[:-1]
         # In one array, functions of the coefficients alone would seem to depend on all coordinates.
         x = [*jnp.split(end[0], block.splits[:1]), *known[2:], *c]
-        way = tuple(passage([*known, *c], ref, deforming(block, own))) if deforms else ()
-        return (), way, None if inertia is None else inertia(x, ref, own)[0]
+        way = tuple(way_function([*known, *c], ref, deforming(block, element_properties))) if deforms else ()
+        return (), way, None if inertia is None else inertia(x, ref, element_properties)[0]
 
     like = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape[1:], leaf.dtype), (ref, properties))
     groups = [like, *((jax.ShapeDtypeStruct((n,), ref.dtype),) for n in (block.x.shape[1] - first, ends))]
     early, along, last = split_in_stages(every, groups)
 
-    def bent(c: Float[Array, "c"], *kept: Array) -> Bent:
-        return Bent(*along(c, *kept))
+    def bent(c: Float[Array, "c"], *constants: Array) -> Bent:
+        return Bent(*along(c, *constants))
 
     def placed(ends: Float[Array, "k"], *kept_and_shape: Array):
         return last(ends, *kept_and_shape)[0]
 
-    mass = None if inertia is None else jax.vmap(lambda *own: inertia(*own)[1])(ref, ref, properties)
+    mass = None if inertia is None else jax.vmap(lambda *numbers: inertia(*numbers)[1])(ref, ref, properties)
     closure = block.e.shape[1] - (block.x.shape[1] - first)
     return TreeBeams(
         bent,

@@ -12,16 +12,23 @@ from jaxtyping import Array, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.indices import TRUSTED, accumulate, put
-from ..mechanics.deformation import zero_near
+from ..mechanics.deformation import zero_strain
 from ..mechanics.loads import LoadFactors, load_stiffness
-from ..mechanics.tree import Tree, linked, pulled, some_of
-from .coordinates_form import AllCoordinates, CoordinatesForm, bordered, onto_constraints, places_of, solved_twice
+from ..mechanics.tree import Tree, block_part, linked, tree_forces
+from .coordinates_form import (
+    AllCoordinates,
+    CoordinatesForm,
+    constrained_mass,
+    numbers_among,
+    onto_constraints,
+    solved_twice,
+)
 from .element_forces import (
     Kinematics,
     Moving,
     PreparedBlock,
     acting_forces,
-    deformed,
+    deformations_and_slopes,
     element_derivatives,
     mass_of,
     prepared_block,
@@ -133,7 +140,7 @@ class TreeForm(Record):
     def _linked(self, x: tuple[Array, ...], ways: tuple[Array, ...]):
         """Coordinates, rates and second rates, from those of what moves and of the beams' ways."""
         poses: Any = self.tree.felt
-        return second_rate(lambda both: linked(poses, both[1], both[0]), *zip(x, ways, strict=True))
+        return second_rate(lambda pair: linked(poses, pair[1], pair[0]), *zip(x, ways, strict=True))
 
     def carried(
         self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
@@ -150,7 +157,7 @@ class TreeForm(Record):
             return _Carried(at, selected, None, None, None, None, bent, derived)
         # Derivatives by each block's own coefficients, (beams, way and turn, coefficients).
         blocks = [(beams.c, by_c) for beams, by_c in zip(self.beams, derived, strict=True) if beams.parts]
-        slopes = _joined([[_beside(each) @ selected[c] for each in by_c] for c, by_c in blocks])
+        slopes = _joined([[_beside(derivative) @ selected[c] for derivative in by_c] for c, by_c in blocks])
         ways, none = _ways(bent), jnp.zeros(at.x.shape)
 
         def along(place: Float[Array, "n_x"], *slope: Array):
@@ -170,7 +177,7 @@ class TreeForm(Record):
         selected, x = self.selection, to.at.x
 
         def along(*way: Array):
-            return jax.jvp(lambda x, y: pulled(poses, y, x, force), (x, to.ways), way)
+            return jax.jvp(lambda x, y: tree_forces(poses, y, x, force), (x, to.ways), way)
 
         passed: Any = to.passed
         (on_ways, _), (of_y, of_x) = jax.vmap(along, (1, 2), (None, (2, 1)))(selected, passed)
@@ -184,10 +191,10 @@ class TreeForm(Record):
             return linked(self.tree.poses, jnp.concatenate([beams.ways(x) for beams in self.beams if beams.gives]), x)
 
         x, v = jax.jvp(everywhere, (at.x,), (at.v,))
-        near = state.memory
-        if not near.shape[0]:
-            near = self.strained(x, zero_near(self.form.topology))
-        return WholeMotion(x, v, near, jnp.zeros(0))
+        last_strain = state.memory
+        if not last_strain.shape[0]:
+            last_strain = self.strained(x, zero_strain(self.form.topology))
+        return WholeMotion(x, v, last_strain, jnp.zeros(0))
 
     def held(self, rows: Float[Array, "n_e *k"]):
         """Rows of the held deformations with multipliers."""
@@ -208,7 +215,7 @@ class TreeForm(Record):
 
     def deformed(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
         """:meth:`strained`, and the derivatives by the nodal coordinates."""
-        jacobian = deformed(self.form.elements, x, near)[1]
+        jacobian = deformations_and_slopes(self.form.elements, x, near)[1]
         return self.strained(x, near), jacobian + (self.strain_of[:, None] == np.arange(x.shape[0])).astype(float)
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
@@ -228,7 +235,7 @@ class TreeForm(Record):
         force = acting.force + self._besides(t, at, on_ends)
         ways: list[tuple[Array, ...]] = [()] * len(self.beams)
         if self.tree.felt is not None:
-            on_ways, force = pulled(self.tree.felt, _ways(bent)[0], at.x, force)
+            on_ways, force = tree_forces(self.tree.felt, _ways(bent)[0], at.x, force)
             ways = self._apart(on_ways)
         force = force[form.free]
         for beams, way, (_, shape), slots in zip(self.beams, ways, on_beams, self.slots, strict=True):
@@ -273,7 +280,7 @@ class TreeForm(Record):
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             return form.loose_tangents(t, strain.e + e, strain.ed + ed)
 
-        acting, pieces = element_derivatives(
+        acting, block_derivatives = element_derivatives(
             form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)), following
         )
         moved = [
@@ -284,7 +291,7 @@ class TreeForm(Record):
             None if places is None else b.weights(places[0]) for b, places in zip(self.beams, moved, strict=True)
         ]
         ways: list[tuple[Array, ...]] = [()] * len(self.beams)
-        every = sum((_along(to, block.x, squares) for block, _, squares in pieces), jnp.zeros((n, 3 * n)))
+        every = sum((_along(to, block.x, squares) for block, _, squares in block_derivatives), jnp.zeros((n, 3 * n)))
         if self.tree.felt is not None:
             on_ends = [
                 (beams.ends, jnp.einsum("bka,bkax->bx", weight, derived[1].s[..., : beams.ends.shape[1]]))
@@ -304,7 +311,9 @@ class TreeForm(Record):
             by_u = by_u - to.x.T @ loads @ to.x
         rows = jnp.zeros((0, n))
         if self.tree.held_places.shape[0]:
-            by_e = [(block.e, _rows_along(to, block.x, rows)) for block, rows, _ in pieces if rows is not None]
+            by_e = [
+                (block.e, _rows_along(to, block.x, rows)) for block, rows, _ in block_derivatives if rows is not None
+            ]
             by_e += [(beams.e, _coefficients_along(to, beams.c)) for beams in self.beams if beams.e.shape[1]]
             every = jnp.zeros((form.topology.n_e, 3 * n))
             for e, block_rows in by_e:
@@ -312,7 +321,7 @@ class TreeForm(Record):
             edd_by_u, edd_by_w, rows = jnp.split(self.held(every), 3, axis=1)
             by_u, by_w = jnp.concatenate([by_u, edd_by_u]), jnp.concatenate([by_w, edd_by_w])
         by_t = by_time(self, t, state, z) if form.driven else None
-        return Tangent(by_u, by_w, bordered(mass, rows, self.mobility), by_t)
+        return Tangent(by_u, by_w, constrained_mass(mass, rows, self.mobility), by_t)
 
     def by_loads(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
         """Derivative of the nodal forces of loads by the nodal coordinates, or None."""
@@ -332,11 +341,11 @@ class TreeForm(Record):
         """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
         n, form = self.size, self.form
         at, along = self.whole(t, state.u, state.w, jnp.zeros(n)), self.along(t, state.u)
-        near = form.near(state.memory)
+        last_strain = form.near(state.memory)
         residual = self.residual(t, state, jnp.zeros(self.unknowns))
-        mass = mass_of(form.elements, at.x, near)
+        mass = mass_of(form.elements, at.x, last_strain)
         mass = along.T @ mass @ along + sum(b.mass_along(at.x, along) for b in self.beams if b.mass is not None)
-        rows = self.held(self.deformed(at.x, near)[1]) @ along
+        rows = self.held(self.deformed(at.x, last_strain)[1]) @ along
         z, matrix = solved_twice(mass, rows, self.mobility, residual)
         return z, self.regular(matrix)
 
@@ -351,12 +360,12 @@ class TreeForm(Record):
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """State brought back onto the constraints with multipliers (THEORY.md 9, eq. (9.3))."""
         u, w = state.u, state.w
-        near, zero = self.form.near(state.memory), jnp.zeros_like(state.u)
+        last_strain, zero = self.form.near(state.memory), jnp.zeros_like(state.u)
         if self.tree.held_places.shape[0]:
 
             def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
                 at = self.whole(t, u, w, zero)
-                e, jacobian = self.deformed(at.x, near)
+                e, jacobian = self.deformed(at.x, last_strain)
                 of_both = [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)]
                 return jnp.stack(of_both, axis=1), self.held(jacobian) @ self.along(t, u)
 
@@ -374,7 +383,7 @@ def _joined(rows: Sequence[Sequence[Array]]):
 
 def _ways(bent: Sequence[tuple[Bent, Bent, Bent]]):
     """Needed ways and turns of all beams, rates and second rates."""
-    return _joined([[_beside(each) for each in rates] for rates in bent if rates[0].way])
+    return _joined([[_beside(block_rates) for block_rates in rates] for rates in bent if rates[0].way])
 
 
 def _beside(bent: Bent) -> Float[Array, "beams k *c"]:
@@ -416,13 +425,13 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     elements: list[PreparedBlock | None] = []
     for block, properties, (_, rows) in zip(top.blocks, parameters.properties, tree.rows, strict=True):
         if rows.shape[0]:
-            elements.append(prepared_block(*some_of(block, properties, rows), parameters.reference))
-    kept = dataclasses.replace(
+            elements.append(prepared_block(*block_part(block, properties, rows), parameters.reference))
+    kept_form = dataclasses.replace(
         form,
         elements=tuple(block for block in elements if block is not None),
         free=tree.kept,
-        place=places_of(top.n_x, tree.kept),
-        held_place=places_of(top.n_e, form.held[tree.held_places]),
+        place=numbers_among(top.n_x, tree.kept),
+        held_place=numbers_among(top.n_e, form.held[tree.held_places]),
         sizes=form.sizes[tree.kept_places],
         mobility=form.mobility[tree.kept_places],
     )
@@ -433,9 +442,9 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     slots = []
     for block in beams:
         # Place zero belongs to coefficients that do not move.
-        slot = jnp.full(tree.kept.shape[0] + 1, block.c.size).at[kept.place[block.c.reshape(-1)]]
+        slot = jnp.full(tree.kept.shape[0] + 1, block.c.size).at[kept_form.place[block.c.reshape(-1)]]
         slots.append(slot.set(np.arange(block.c.size), **TRUSTED)[1:])
-    in_tree = TreeForm(kept, tree, beams, strain_of, tuple(slots), kept.mobility)
+    in_tree = TreeForm(kept_form, tree, beams, strain_of, tuple(slots), kept_form.mobility)
     return dataclasses.replace(in_tree, mobility=_mobility(in_tree, form)) if tree.held_places.shape[0] else in_tree
 
 

@@ -9,7 +9,7 @@ from jaxtyping import Array, Float, Int
 
 from ..math.indices import put
 from ..math.linear import factorise, uneven
-from ..mechanics.deformation import zero_near
+from ..mechanics.deformation import zero_strain
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
 from ..model.parameters import Parameters
@@ -125,12 +125,12 @@ def begin_path(
     ramp = ramp_of(topology, parameters)
     zero = jnp.array(0.0)
     if not begins_undeformed(topology, parameters):
-        at, near, result, *_ = solve_state(topology, parameters, ramp.at(zero))
-        x, near = jax.lax.stop_gradient((at.x, near))
+        at, last_strain, result, *_ = solve_state(topology, parameters, ramp.at(zero))
+        x, last_strain = jax.lax.stop_gradient((at.x, last_strain))
     else:
-        x, near, result = parameters.reference, zero_near(topology), jnp.zeros((), jnp.int32)
-    at = state(topology, parameters, ramp.at(zero), x, near)
-    point = Point(x, near, at.e, zero, jnp.zeros(0))
+        x, last_strain, result = parameters.reference, zero_strain(topology), jnp.zeros((), jnp.int32)
+    at = state(topology, parameters, ramp.at(zero), x, last_strain)
+    point = Point(x, last_strain, at.e, zero, jnp.zeros(0))
     regular = at.transfer.regular
     result = jnp.where((result == RESULTS.successful) & ~regular, RESULTS.singular_configuration, result)
     rising = Plane(jnp.zeros(topology.n_x), jnp.array(1.0))

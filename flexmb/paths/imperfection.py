@@ -8,16 +8,16 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_number, check_whole, shown
+from ..arguments import check_number, check_whole, short_repr
 from ..compilation.compile import jit
 from ..errors import AnalysisError
 from ..linear.buckling import Buckling, buckling
-from ..math.element_matrices import Whole
+from ..math.element_matrices import AssembledEquations
 from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.centreline import curves_of
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors
 from ..model.model import Model
 from ..model.parameters import Loads, Parameters
@@ -55,7 +55,7 @@ def largest_displacement(model: Model, x: Float[Array, "n_x"], motion: Float[Arr
     By a central difference, whose error is the square of the step.
     """
     at, reference = np.asarray(x), np.asarray(model.parameters.reference)
-    size = np.max(np.abs(motion) / sizes_of(model.topology, model.parameters), initial=0.0)
+    size = np.max(np.abs(motion) / coordinate_scales(model.topology, model.parameters), initial=0.0)
     if not size > 0:
         return 0.0
     step = np.asarray(motion) * (SMALL_MOTION / size)
@@ -75,18 +75,18 @@ def _allowed_state(model: Model, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     import scipy.sparse
 
     topology, parameters = model.topology, model.parameters
-    free, _, held = (np.asarray(i) for i in unknowns(topology))
-    sizes, x, zero = np.asarray(sizes_of(topology, parameters)), np.array(x), np.zeros(topology.n_e)
+    free, _, constrained = (np.asarray(i) for i in unknowns(topology))
+    sizes, x, zero = np.asarray(coordinate_scales(topology, parameters)), np.array(x), np.zeros(topology.n_e)
     metric, nothing = scipy.sparse.diags_array(1 / sizes[free] ** 2), np.zeros(len(free))
     for _ in range(CORRECTIONS):
         elements, e = at_state(topology, parameters, LoadFactors(0.0, 0.0), *jax.device_put((x, zero, zero)))
-        if len(held) == 0:
+        if len(constrained) == 0:
             return x, np.asarray(e)
-        e, rows = np.asarray(e), Whole(jax.tree.map(np.asarray, elements)).constraints
+        e, rows = np.asarray(e), AssembledEquations(jax.tree.map(np.asarray, elements)).constraints
         factors = SparseFactors(scipy.sparse.block_array([[metric, rows.T], [rows, None]]))
         if not factors.regular:
             raise AnalysisError(RESULTS.singular_configuration.name, RESULTS.singular_configuration.message)
-        change = factors.solve(np.concatenate([nothing, -e[held]]))[: len(free)]
+        change = factors.solve(np.concatenate([nothing, -e[constrained]]))[: len(free)]
         x[free] += change
         if np.max(np.abs(change) / sizes[free]) < ALLOWED_STATE:
             return x, e
@@ -108,7 +108,7 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     """
     if not isinstance(imperfection, Mapping):
         raise TypeError(
-            f"Argument `imperfection` must be lengths by mode, such as {{1: 1e-6}}, not {shown(imperfection)}."
+            f"Argument `imperfection` must be lengths by mode, such as {{1: 1e-6}}, not {short_repr(imperfection)}."
         )
     for number, length in imperfection.items():
         check_whole("imperfection", number, 1)
@@ -170,7 +170,7 @@ def _unit_motion(buckled: Buckling, number: int) -> Float[np.ndarray, "n_x"]:
     if not largest > 0:
         raise ValueError(f"Argument `imperfection` is a length, but buckling mode {number} moves no point.")
     model = buckled.lin.model
-    sizes = np.abs(shape) / np.asarray(sizes_of(model.topology, model.parameters))
+    sizes = np.abs(shape) / np.asarray(coordinate_scales(model.topology, model.parameters))
     positions = np.zeros(len(shape))
     positions[np.asarray(model.topology.axes)] = 1.0
     moved = sizes * positions if np.any(sizes * positions > SMALL_MOTION * sizes.max()) else sizes

@@ -12,16 +12,16 @@ from ..arguments import check_number, check_whole
 from ..compilation.compile import unguarded
 from ..math.derivative import jvp_of_varied
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
 from ..results import RESULTS
-from ..statics.equilibrium import by_sparse, check_stiffness, named
+from ..statics.equilibrium import by_sparse, check_stiffness, known_solver
 from ..statics.solve import change_of_equations
-from ..statics.sparse import Balanced, found_equilibrium, lacking_at
+from ..statics.sparse import Balanced, lacking_at, search_in_coordinates
 from .critical import begin_path, null_vectors
 from .sparse_walk import SPARSE_PATH, left_null_vector
 from .stepper import (
@@ -33,7 +33,7 @@ from .stepper import (
     Point,
     Ramp,
     Scale,
-    can_be_taken,
+    is_acceptable,
     load_response,
     next_length,
     normal_to,
@@ -63,7 +63,7 @@ class _Approach(NamedTuple):
     failed: Bool[Array, ""]
 
 
-def _walk_past_limit(
+def _step_past_limit(
     form: PathForm,
     topology: Topology,
     parameters: Parameters,
@@ -81,7 +81,7 @@ def _walk_past_limit(
         most = jnp.maximum(first, 0.1 * jnp.abs(w.point.load))
         step = jnp.minimum(w.step, jnp.minimum(LARGEST_MOTION / motion, most / jnp.abs(w.tangent.load)))
         new = step_along(form, topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
-        good = can_be_taken(new.converged, new.cosine)
+        good = is_acceptable(new.converged, new.cosine)
         passed = good & (new.tangent.load <= 0)
         on = good & ~passed
         longer = next_length(step, new.corrections, new.cosine)
@@ -105,18 +105,18 @@ def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
         ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
         return ramp, point, tangent, scale, result
     ramp = ramp_of(topology, parameters)
-    at = found_equilibrium(topology, parameters, ramp.base)
+    at = search_in_coordinates(topology, parameters, ramp.base)
     point = Point(at.x, at.near, at.near, jnp.array(0.0), at.multipliers)
     still = Direction(0 * at.x, 0 * at.near, jnp.array(0.0), 0 * at.multipliers)
-    sizes = sizes_of(topology, parameters)
+    sizes = coordinate_scales(topology, parameters)
     rising = Plane(0 * at.x, jnp.array(1.0))
     alike = Scale(sizes, jnp.ones_like(sizes))
     new = step_along(SPARSE_PATH, topology, parameters, ramp, alike, point, still, jnp.array(0.0), rising)
     scale = scale_of(topology, parameters, new.tangent)
     # A hanging body has no stiffness without stress.
     why = jnp.where(new.failure == RESULTS.out_of_memory, new.failure, RESULTS.singular_stiffness)
-    found = (at.result == RESULTS.successful) | (at.result == RESULTS.critical_state)
-    result = jnp.where(found, jnp.where(new.converged, RESULTS.successful, why), at.result)
+    converged = (at.result == RESULTS.successful) | (at.result == RESULTS.critical_state)
+    result = jnp.where(converged, jnp.where(new.converged, RESULTS.successful, why), at.result)
     return ramp, point, unit(scale, new.tangent), scale, result
 
 
@@ -126,19 +126,21 @@ def _find_limit(
     form = SPARSE_PATH if in_coordinates else DENSE_PATH
     ramp, point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
     most = jnp.where(result == RESULTS.successful, max_steps, 0)
-    walk = _walk_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
-    plane = normal_to(scale, walk.tangent)
+    continuation = _step_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
+    plane = normal_to(scale, continuation.tangent)
 
     def unfinished(bracket: tuple[Any, ...]):
         *_, rate, _, moved, turn, _ = bracket
-        near = (jnp.abs(rate) <= STATIONARY_LOAD) | (moved <= SETTLED_LIMIT * walk.step)
-        return walk.passed & (turn < TURNS) & ~near
+        settled = (jnp.abs(rate) <= STATIONARY_LOAD) | (moved <= SETTLED_LIMIT * continuation.step)
+        return continuation.passed & (turn < TURNS) & ~settled
 
     def narrower(bracket: tuple[Any, ...]):
         low, low_rate, high, high_rate, last, place, _, turn, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
-        new = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, middle, plane)
+        new = step_along(
+            form, topology, parameters, ramp, scale, continuation.point, continuation.tangent, middle, plane
+        )
         rate = new.tangent.load
         rising = rate > 0
         # Illinois method: halve the value of an end that stays twice, so that both ends approach.
@@ -155,16 +157,30 @@ def _find_limit(
             new.point,
         )
 
-    end = step_along(form, topology, parameters, ramp, scale, walk.point, walk.tangent, walk.step, plane)
+    end = step_along(
+        form, topology, parameters, ramp, scale, continuation.point, continuation.tangent, continuation.step, plane
+    )
     rate, zero, none = end.tangent.load, jnp.array(0.0), jnp.zeros((), jnp.int32)
-    bracket = (zero, walk.tangent.load, walk.step, rate, rate, walk.step, jnp.array(jnp.inf), none, end.point)
-    *_, rate, _, _, _, found = jax.lax.while_loop(unfinished, narrower, bracket)
+    bracket = (
+        zero,
+        continuation.tangent.load,
+        continuation.step,
+        rate,
+        rate,
+        continuation.step,
+        jnp.array(jnp.inf),
+        none,
+        end.point,
+    )
+    *_, rate, _, _, _, limit_point = jax.lax.while_loop(unfinished, narrower, bracket)
     # Without a state between, the path jumps.
     passed = jnp.where(jnp.abs(rate) < TURNED_LOAD, RESULTS.successful, RESULTS.not_converged)
-    why = jnp.where(walk.failed, RESULTS.not_converged, jnp.where(walk.passed, passed, RESULTS.max_steps))
-    why = jnp.where(jnp.abs(found.load) < NO_LOAD, RESULTS.singular_stiffness, why)
+    why = jnp.where(
+        continuation.failed, RESULTS.not_converged, jnp.where(continuation.passed, passed, RESULTS.max_steps)
+    )
+    why = jnp.where(jnp.abs(limit_point.load) < NO_LOAD, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
-    return _Limit(found.load, found, plane, result.astype(jnp.int32))
+    return _Limit(limit_point.load, limit_point, plane, result.astype(jnp.int32))
 
 
 _find_limit_once = jax.custom_jvp(_find_limit, nondiff_argnums=(4,))
@@ -177,43 +193,43 @@ def _no_second_derivative(in_coordinates: bool, primals: tuple[Any, ...], tangen
 
 @functools.partial(jax.custom_jvp, nondiff_argnums=(1,))
 def _limit_load(given: tuple[Any, Any, Any, Any], in_coordinates: bool):
-    found = _find_limit(*given, in_coordinates)
-    return found.load, found.result
+    limit = _find_limit(*given, in_coordinates)
+    return limit.load, limit.result
 
 
 def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """d(load) = -psi^T dr/dp / (psi^T dr/d(load)) with the left null vector psi of K, without a change of state."""
     ((topology, parameters, first, most),), ((_, changes, *_),) = primals, tangents
-    found = _find_limit_once(topology, parameters, first, most, in_coordinates)
+    limit = _find_limit_once(topology, parameters, first, most, in_coordinates)
     changed = _change_in_coordinates if in_coordinates else _change_in_freedoms
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    return (found.load, found.result), (changed(topology, parameters, found, changes), no_change)
+    return (limit.load, limit.result), (changed(topology, parameters, limit, changes), no_change)
 
 
-def _change_in_freedoms(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
-    ramp, (x, near, *_) = ramp_of(topology, parameters), found.point
-    target = ramp.at(found.load)
-    at = state(topology, parameters, target, x, near)
+def _change_in_freedoms(topology: Topology, parameters: Parameters, limit: _Limit, tangents: Any):
+    ramp, (x, last_strain, *_) = ramp_of(topology, parameters), limit.point
+    target = ramp.at(limit.load)
+    at = state(topology, parameters, target, x, last_strain)
     still = jax.tree.map(jnp.zeros_like, target)
-    changes = change_of_equations(topology, at, near, (parameters, target), (tangents, still))
+    changes = change_of_equations(topology, at, last_strain, (parameters, target), (tangents, still))
     _, by_parameter = reduced_response(topology, at, *changes)
     _, by_load = load_response(topology, parameters, ramp, at)
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
-    _, psi = null_vectors(topology, at, sizes_of(topology, parameters), tiny)
+    _, psi = null_vectors(topology, at, coordinate_scales(topology, parameters), tiny)
     return -(psi @ by_parameter) / (psi @ by_load)
 
 
-def _change_in_coordinates(topology: Topology, parameters: Parameters, found: _Limit, tangents: Any):
+def _change_in_coordinates(topology: Topology, parameters: Parameters, limit: _Limit, tangents: Any):
     """:func:`_change_in_freedoms` in coordinates; the left vector has psi^T dr/d(load) = 1."""
-    ramp, point = ramp_of(topology, parameters), found.point
+    ramp, point = ramp_of(topology, parameters), limit.point
     zero: Any = jnp.zeros((), jnp.int32)
     at = Balanced(point.x, point.multipliers, point.near, zero, zero)
 
     def lacking(parameters: Parameters):
-        return lacking_at(topology, parameters, ramp.at(found.load), point.near, at)
+        return lacking_at(topology, parameters, ramp.at(limit.load), point.near, at)
 
     _, change = jvp_of_varied(lacking, (parameters,), (tangents,))
-    return -left_null_vector(topology, parameters, ramp, point, found.plane) @ change
+    return -left_null_vector(topology, parameters, ramp, point, limit.plane) @ change
 
 
 _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)
@@ -262,7 +278,7 @@ def limit_load(
         At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium contains no displacement.
     """
     model = as_model(model, "limit_load")
-    large = by_sparse(model, sparse, named(solver))
+    large = by_sparse(model, sparse, known_solver(solver))
     check_number("step", step, above=0)
     first, turns = jnp.asarray(step, float), jnp.asarray(check_whole("max_steps", max_steps, 1), jnp.int32)
     model = model if large else as_determined(model, "limit_load")

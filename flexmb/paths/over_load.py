@@ -9,7 +9,7 @@ from ..display import AT_MOST, States, Summary, course, short
 from ..linear.linearize import Stressed
 from ..mechanics.loads import LoadFactors, load_factors
 from ..model.model import Model
-from ..results import told
+from ..results import outcome_text
 
 
 def factors_of(model: Model, load: Any) -> LoadFactors:
@@ -59,7 +59,7 @@ class OverLoad:
         points = [f"{point.kind} at {point.load_factor:.5g}" for point in self.critical_points]
         stable = np.asarray(self.stable)
         rows = {
-            "result": told(self.result),
+            "result": outcome_text(self.result),
             "steps": f"{len(stable)}, {int(np.sum(stable))} of them stable",
             "load factor": f"up to {short(np.max(np.asarray(self.load_factor)))}",
             "critical points": ", ".join(points[:AT_MOST]) or "none",

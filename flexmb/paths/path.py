@@ -9,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
-from ..arguments import check_number, check_whole, is_concrete, shown
+from ..arguments import check_number, check_whole, is_concrete, short_repr
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
@@ -35,7 +35,7 @@ from ..questions.frequency import frequencies_along
 from ..questions.over_states import Along
 from ..results import RESULTS
 from ..statics.coarse import warn_of_coarse
-from ..statics.equilibrium import by_sparse, check_stiffness, named
+from ..statics.equilibrium import by_sparse, check_stiffness, known_solver
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of
@@ -116,19 +116,21 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
             ValueError: There are none.
         """
         self.check_critical()
-        found = []
+        linearizations = []
         for point in self.critical_points:
-            near = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
+            last_strain = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
             factors = factors_of(self.model, point.load_factor)
-            found.append(_look_at(self.model.topology, self.model.parameters, factors, jax.device_put(point.x), near))
-        matrices, multipliers = jax.tree.map(lambda *a: jax.device_put(np.stack(a)), *found)
+            linearizations.append(
+                _look_at(self.model.topology, self.model.parameters, factors, jax.device_put(point.x), last_strain)
+            )
+        matrices, multipliers = jax.tree.map(lambda *a: jax.device_put(np.stack(a)), *linearizations)
         values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
         loads = jax.device_put(np.array([point.load_factor for point in self.critical_points]))
-        stable = np.zeros(len(found), bool)
+        stable = np.zeros(len(linearizations), bool)
         return Path(loads, matrices, values, multipliers, stable, self.critical_points, self.result, self.model)
 
 
-class _Found(NamedTuple):
+class _PathState(NamedTuple):
     """One state of a path; eigenvalues that may be complex are computed outside compiled code."""
 
     matrices: Matrices
@@ -137,18 +139,18 @@ class _Found(NamedTuple):
     stable: Any
 
 
-def _with_complex(found: _Found, step: Step) -> _Found:
+def _with_complex(state: _PathState, step: Step) -> _PathState:
     """The state with the eigenvalues of an unsymmetric stiffness, which may be complex."""
-    m = found.matrices
+    m = state.matrices
     stiffness, damping, mass = np.asarray(m.K), np.asarray(m.C0) + np.asarray(m.D0), np.asarray(m.M0)
     values, _ = general_spectrum(stiffness, mass)
     # A motion without mass loses its stability where the determinant changes sign.
     stable = np.all(step.values > 0) & without_growth(stiffness, damping, mass)
-    return found._replace(eigenvalues=values.real, stable=stable)
+    return state._replace(eigenvalues=values.real, stable=stable)
 
 
 @kernel
-def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _Found:
+def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _PathState:
     point = step.point
     factors = ramp.at(point.load)
     at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
@@ -157,9 +159,9 @@ def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) ->
         *scaled_stiffness(topology, parameters, at, point.near), unsymmetric=lacks_potential(topology)
     )
     if not matrices.symmetric:
-        return _Found(matrices, None, multipliers, None)
+        return _PathState(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
-    return _Found(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
+    return _PathState(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
 
 
 @kernel
@@ -270,7 +272,7 @@ def path(
         r_load is zero (bifurcation).
     """
     model = as_model(model, "path")
-    chosen = asked_solver(sparse, named(solver))
+    chosen = asked_solver(sparse, known_solver(solver))
     if chosen is None:
         # Buckling modes, of which an imperfection is made, need a potential.
         large = by_sparse(model, None) if imperfection is None else is_large(model)
@@ -305,33 +307,33 @@ def _dense_path(
 ) -> tuple[Path, Walker]:
     """The path, and the walk that found it."""
 
-    def found_at(step: Step) -> _Found:
+    def found_at(step: Step) -> _PathState:
         return _look(model.topology, model.parameters, walker.ramp, step)
 
     def state_at(step: Step) -> Linearization:
         return Linearization(found_at(step).matrices, model)
 
     walker = Walker(DenseEquations(model), step, stops_of(model, stop, state_at))
-    code = _walked(walker, max_steps, to_switch, progress)
-    found = [found_at(s) for s in walker.steps]
-    if not found[0].matrices.symmetric:
-        found = [_with_complex(state, step) for state, step in zip(found, walker.steps, strict=True)]
+    code = _follow(walker, max_steps, to_switch, progress)
+    states = [found_at(s) for s in walker.steps]
+    if not states[0].matrices.symmetric:
+        states = [_with_complex(state, step) for state, step in zip(states, walker.steps, strict=True)]
     # Stacked by NumPy: JAX would compile a program for each number of steps.
-    found = jax.tree.map(lambda *a: np.stack(a), *found)
-    massive = np.any(np.isfinite(found.eigenvalues), axis=0)
-    refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], found.matrices), model))
-    whole = Path(
+    states = jax.tree.map(lambda *a: np.stack(a), *states)
+    massive = np.any(np.isfinite(states.eigenvalues), axis=0)
+    refuse_negative_mass(Linearization(jax.tree.map(lambda a: a[0], states.matrices), model))
+    path = Path(
         load_factor=jax.device_put(np.array([s.load for s in walker.steps])),
-        matrices=jax.device_put(found.matrices),
-        eigenvalues=jax.device_put(found.eigenvalues[:, massive]),
-        multipliers=jax.device_put(found.multipliers),
-        stable=found.stable,
+        matrices=jax.device_put(states.matrices),
+        eigenvalues=jax.device_put(states.eigenvalues[:, massive]),
+        multipliers=jax.device_put(states.multipliers),
+        stable=states.stable,
         critical_points=tuple(walker.critical),
         result=jax.device_put(np.asarray(int(code), np.int32)),
         model=model,
         stopped_by=walker.ended or None,
     )
-    return whole, walker
+    return path, walker
 
 
 def _sparse_path(
@@ -358,7 +360,7 @@ def _sparse_path(
         # With dense matrices motions without stiffness do not move at first.
         return None
     try:
-        code = _walked(walker, max_steps, to_switch, progress)
+        code = _follow(walker, max_steps, to_switch, progress)
     except AnalysisError as fault:
         path = fault.path = path_of(equations, walker, walker.steps, RESULTS[fault.code])
         if throw:
@@ -367,7 +369,7 @@ def _sparse_path(
     return path_of(equations, walker, walker.steps, code), walker
 
 
-def _walked(walker: Walker, max_steps: int, to_switch: dict[int, int], progress: Any) -> RESULTS:
+def _follow(walker: Walker, max_steps: int, to_switch: dict[int, int], progress: Any) -> RESULTS:
     """Walk, and return why the walk ended."""
     for limit in walker.conditions:
         if limit.name == STRESS and (begun := limit.of(walker.steps[0])) >= limit.target:
@@ -387,7 +389,7 @@ P = TypeVar("P", Path, SparsePath)
 
 
 def _checked(
-    found: P,
+    path: P,
     walker: Walker,
     stop: Mapping[str, float] | None,
     to_switch: dict[int, int],
@@ -395,25 +397,25 @@ def _checked(
     throw: bool,
 ) -> P:
     """The path; raise if it did not reach its end, and warn of conditions that were not met."""
-    code = RESULTS(int(found.result))
-    if code == RESULTS.max_steps and np.max(np.abs(np.asarray(found.load_factor))) < NO_LOAD:
+    code = RESULTS(int(path.result))
+    if code == RESULTS.max_steps and np.max(np.abs(np.asarray(path.load_factor))) < NO_LOAD:
         # A motion whose stiffness is round-off moves without end.
         code = RESULTS.singular_stiffness
-    about = _instead_of_switch(found, asked) if asked.keys() - to_switch.keys() and code in LOST else ""
+    about = _instead_of_switch(path, asked) if asked.keys() - to_switch.keys() and code in LOST else ""
     try:
-        check_stiffness(found.model, int(code), throw and code != RESULTS.stopped, about)
+        check_stiffness(path.model, int(code), throw and code != RESULTS.stopped, about)
     except AnalysisError as error:
-        error.path = found
+        error.path = path
         raise
-    warn_of_coarse(found.model, found.e)
+    warn_of_coarse(path.model, path.e)
     if code == RESULTS.successful:
-        _warn_of_unused(found, walker, stop, to_switch)
-    return found
+        _warn_of_unused(path, walker, stop, to_switch)
+    return path
 
 
-def _instead_of_switch(found: Path | SparsePath, asked: dict[int, int]) -> str:
+def _instead_of_switch(path: Path | SparsePath, asked: dict[int, int]) -> str:
     """Advice for a path whose switched branch leads nowhere."""
-    size = short(SMALL_IMPERFECTION * float(extent_of(found.model.topology, found.model.parameters)))
+    size = short(SMALL_IMPERFECTION * float(extent_of(path.model.topology, path.model.parameters)))
     return (
         f"It left bifurcation {listed(sorted(asked))} by `switch`. Give imperfection={{1: {size}}} [m] instead of"
         " `switch`: the path then joins the branch and leaves it again without a bifurcation. Or leave the branch at"
@@ -428,27 +430,27 @@ def _switches(switch: Any) -> dict[int, int]:
             check_whole("switch", number, 1)
             if side not in (1, -1):
                 raise ValueError(
-                    f"Argument `switch` must have 1 or -1 for bifurcation {number}, but has {shown(side)}."
+                    f"Argument `switch` must have 1 or -1 for bifurcation {number}, but has {short_repr(side)}."
                 )
         return {int(number): int(side) for number, side in switch.items()}
     if switch not in (False, True, -1):
         raise ValueError(
             "Argument `switch` must be False, True, 1 or -1, or such numbers by bifurcation, such as {2: -1}, but is"
-            f" {shown(switch)}."
+            f" {short_repr(switch)}."
         )
     return {1: int(switch)} if switch else {}
 
 
 def _warn_of_unused(
-    found: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int]
+    path: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int]
 ) -> None:
     """Warn of conditions and bifurcations that a path did not reach."""
-    if stop and found.stopped_by is None:
+    if stop and path.stopped_by is None:
         warn(unmet(stop, walker.steps, walker.conditions, len(walker.critical)))
     if to_switch:
-        count = sum(point.kind == "bifurcation" for point in found.critical_points)
+        count = sum(point.kind == "bifurcation" for point in path.critical_points)
         which = ", ".join(map(str, sorted(to_switch)))
         warn(
             f"Argument `switch` names bifurcation {which}, but there are {count} of them on the path, up to load"
-            f" factor {short(found.load_factor[-1])}."
+            f" factor {short(path.load_factor[-1])}."
         )

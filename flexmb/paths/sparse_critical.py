@@ -6,9 +6,9 @@ from typing import Any, NamedTuple, Protocol
 import numpy as np
 
 from ..errors import AnalysisError
-from ..linear.sparse_spectrum import named
+from ..linear.sparse_spectrum import explained_failures
 from ..math.linear import uneven
-from ..math.sparse import SparseFactors, negative_where_held
+from ..math.sparse import SparseFactors, negative_if_constrained
 from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, REGULAR_TANGENT, SETTLED_MOTION
 from ..results import RESULTS
 
@@ -59,35 +59,35 @@ def critical_values_of(
         Shift-inverted Lanczos method of ARPACK; Ritz's method in motions and in flexibility times residuals (Davidson
         1975).
     """
-    rest = tangent.shape[0] - len(sizes)
-    every, shift = len(sizes) - rest, 0.0
+    n_constraints = tangent.shape[0] - len(sizes)
+    every, shift = len(sizes) - n_constraints, 0.0
     if every <= 2 * BASIS:
-        return _told(*_all_of(tangent, sizes), 0)
+        return _critical_values(*_all_of(tangent, sizes), 0)
     if not factored.regular:
         shift = REGULAR_TANGENT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
-    negative = negative_where_held(tangent, factored, len(sizes))
+    negative = negative_if_constrained(tangent, factored, len(sizes))
 
     def settled(motions: np.ndarray):
-        return _settled(stiffness, _flexibility(factored, rest, sizes), sizes, motions)
+        return _settled(stiffness, _flexibility(factored, n_constraints, sizes), sizes, motions)
 
     if negative is not None:
-        rough, motions = _nearest(factored, rest, sizes, start, TOLD, shift)
+        rough, motions = _values_near_zero(factored, n_constraints, sizes, start, TOLD, shift)
         values, motions = settled(motions)
         more = negative - int(np.sum(rough < -shift))
         doubted = DOUBTED_SIGN * np.max(np.abs(np.sort(rough) - values))
         if np.min(np.abs(values)) < doubted < np.max(np.diff(values)):
             more = _beyond(tangent, sizes, values)
-        return _told(values, np.sum(motions, axis=1), more)
+        return _critical_values(values, np.sum(motions, axis=1), more)
     # Values become negative through zero: if the farthest ones found are positive, few beyond are negative.
     count = 2 * TOLD
     while 2 * count < every:
-        values, motions = _nearest(factored, rest, sizes, start, count, shift)
+        values, motions = _values_near_zero(factored, n_constraints, sizes, start, count, shift)
         if np.all(values[np.argsort(np.abs(values))[-2:]] > 0):
             values, motions = settled(motions)
-            return _told(values, np.sum(motions, axis=1), 0)
+            return _critical_values(values, np.sum(motions, axis=1), 0)
         count *= 2
-    return _told(*_all_of(tangent, sizes), 0)
+    return _critical_values(*_all_of(tangent, sizes), 0)
 
 
 def value_of_determinant(
@@ -98,11 +98,11 @@ def value_of_determinant(
     det K is the product of its eigenvalues; with h constraints det [[K, D^T], [D, 0]] has the sign of det K under them,
     times (-1)^h. By the Arnoldi method of ARPACK.
     """
-    rest = tangent.shape[0] - len(sizes)
+    n_constraints = tangent.shape[0] - len(sizes)
     if not factored.regular:
         return CriticalValues(np.zeros(1), 0, start)
-    moved, sign = _flexibility(factored, rest, sizes), (-1) ** rest * factored.sign
-    if len(sizes) - rest <= 2 * BASIS:
+    moved, sign = _flexibility(factored, n_constraints, sizes), (-1) ** n_constraints * factored.sign
+    if len(sizes) - n_constraints <= 2 * BASIS:
         motions = _allowed(tangent, sizes)
         soft = np.linalg.eigvals(motions.T @ moved(motions))
         largest = np.max(np.abs(soft), initial=0.0)
@@ -112,16 +112,16 @@ def value_of_determinant(
     value, begin = sign / abs(soft[i]), np.sum(shapes.real, axis=1)
     if abs(soft[i].imag) <= CRITICAL_RESIDUAL * abs(soft[i]):
         # A simple real value follows from the quotient with its left eigenvector, with its sign.
-        others, left = _softest(_flexibility(factored, rest, sizes, transposed=True), sizes, start)
+        others, left_shapes = _softest(_flexibility(factored, n_constraints, sizes, transposed=True), sizes, start)
         j = int(np.argmin(np.abs(others - soft[i])))
-        own, v, w = sizes[:, None], shapes[:, [i]].real, left[:, [j]].real
-        apart = float(np.sum(w * v))
-        if apart != 0:
-            quotient = float(stiffness.between(own * w, own * v)[0, 0]) / apart
+        row_sizes, v, w = sizes[:, None], shapes[:, [i]].real, left_shapes[:, [j]].real
+        overlap = float(np.sum(w * v))
+        if overlap != 0:
+            quotient = float(stiffness.between(row_sizes * w, row_sizes * v)[0, 0]) / overlap
             rest_sign = sign * np.sign(soft[i].real)
             if abs(quotient) < DOUBTED_SIGN * abs(1 / soft[i].real - quotient):
                 # With this shift, no other value changes its sign, and this one is positive.
-                rest_sign = (-1) ** rest * shifted(tangent, 0.5 / abs(soft[1 - i]), sizes).sign
+                rest_sign = (-1) ** n_constraints * shifted(tangent, 0.5 / abs(soft[1 - i]), sizes).sign
             value = rest_sign * quotient
     return CriticalValues(np.array([value]), 0, begin)
 
@@ -138,23 +138,23 @@ def _settled(
     stiffness: Stiffness, moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, motions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ascending values and motions, in extents and radians, of a stiffness that factors know with some error."""
-    own, count = sizes[:, None], motions.shape[1]
+    row_sizes, count = sizes[:, None], motions.shape[1]
 
     def ritz(basis: np.ndarray):
-        values, turned = np.linalg.eigh(stiffness.between(own * basis, own * basis))
+        values, turned = np.linalg.eigh(stiffness.between(row_sizes * basis, row_sizes * basis))
         nearest = np.sort(np.argsort(np.abs(values))[:count])
         return values[nearest], basis @ turned[:, nearest]
 
     values, motions = ritz(motions)
     for turn in range(TURNS):
-        step = moved(own * stiffness.forces(own * motions) - values * motions)
+        step = moved(row_sizes * stiffness.forces(row_sizes * motions) - values * motions)
         for _ in range(2):
             step = step - motions @ (motions.T @ step)
-        left = np.linalg.norm(step, axis=0)
-        if np.all(left <= SETTLED_MOTION):
+        step_sizes = np.linalg.norm(step, axis=0)
+        if np.all(step_sizes <= SETTLED_MOTION):
             break
         # Next to a value near zero, iterations do not settle the others.
-        if turn > 0 and not left[np.argmin(np.abs(values))] <= LOST_MOTION:
+        if turn > 0 and not step_sizes[np.argmin(np.abs(values))] <= LOST_MOTION:
             raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
         values, motions = ritz(np.linalg.qr(np.concatenate([motions, step], axis=1))[0])
     return values, motions
@@ -168,27 +168,29 @@ def _beyond(tangent: Any, sizes: np.ndarray, values: np.ndarray) -> int:
     i = int(np.argmax(np.diff(values)))
     middle = (values[i] + values[i + 1]) / 2
     turned = shifted(tangent, -middle, sizes)
-    count = negative_where_held(tangent, turned, len(sizes))
+    count = negative_if_constrained(tangent, turned, len(sizes))
     if count is None:
         raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
     return count - int(np.sum(values < middle))
 
 
-def _told(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
+def _critical_values(values: np.ndarray, start: np.ndarray, more: int) -> CriticalValues:
     """Those nearest to zero of ascending values, with ``more`` negative ones beyond them."""
     nearest = np.sort(np.argsort(np.abs(values))[:TOLD])
     left_out = np.delete(values, nearest)
     return CriticalValues(values[nearest], max(more, 0) + int(np.sum(left_out < 0)), start)
 
 
-def _nearest(factored: SparseFactors, rest: int, sizes: np.ndarray, start: np.ndarray, count: int, shift: float):
+def _values_near_zero(
+    factored: SparseFactors, n_constraints: int, sizes: np.ndarray, start: np.ndarray, count: int, shift: float
+):
     """Values nearest to zero, and their orthonormal motions in extents and radians."""
     import scipy.sparse.linalg
 
     n, linalg = len(sizes), scipy.sparse.linalg
-    flexibility = linalg.LinearOperator((n, n), matvec=_flexibility(factored, rest, sizes), dtype=float)
-    how = {"ncv": max(BASIS, 2 * count + 1), "v0": _near(start), "tol": CRITICAL_RESIDUAL}
-    with named("Take other steps (step)"):
+    flexibility = linalg.LinearOperator((n, n), matvec=_flexibility(factored, n_constraints, sizes), dtype=float)
+    how = {"ncv": max(BASIS, 2 * count + 1), "v0": _start_motions(start), "tol": CRITICAL_RESIDUAL}
+    with explained_failures("Take other steps (step)"):
         soft, motions = linalg.eigsh(flexibility, k=count, **how)
     return 1 / soft - shift, motions
 
@@ -199,24 +201,24 @@ def _softest(moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, start
 
     n, linalg = len(sizes), scipy.sparse.linalg
     flexibility = linalg.LinearOperator((n, n), matvec=moved, dtype=float)
-    with named("Take other steps (step)"):
-        return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_near(start), tol=CRITICAL_RESIDUAL**2)
+    with explained_failures("Take other steps (step)"):
+        return linalg.eigs(flexibility, k=2, ncv=BASIS, v0=_start_motions(start), tol=CRITICAL_RESIDUAL**2)
 
 
 def _flexibility(
-    factored: SparseFactors, rest: int, sizes: np.ndarray, transposed: bool = False
+    factored: SparseFactors, h: int, sizes: np.ndarray, transposed: bool = False
 ) -> Callable[[np.ndarray], np.ndarray]:
-    """Function from forces to motions, (n,) or (n, k), in extents and radians, with ``rest`` constraints."""
+    """Function from forces to motions, (n,) or (n, k), in extents and radians, with ``h`` constraints."""
     n = len(sizes)
 
     def moved(force: np.ndarray):
-        own = sizes if force.ndim == 1 else sizes[:, None]
-        return factored.solve(np.concatenate([force / own, np.zeros((rest, *force.shape[1:]))]), transposed)[:n] / own
+        size = sizes if force.ndim == 1 else sizes[:, None]
+        return factored.solve(np.concatenate([force / size, np.zeros((h, *force.shape[1:]))]), transposed)[:n] / size
 
     return moved
 
 
-def _near(start: np.ndarray) -> np.ndarray:
+def _start_motions(start: np.ndarray) -> np.ndarray:
     """Start of iterations: nearby motions, and uneven entries."""
     n = len(start)
     return start / max(np.linalg.norm(start), 1e-300) + uneven(n, 1) / np.sqrt(n)

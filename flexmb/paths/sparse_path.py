@@ -11,7 +11,7 @@ from ..compilation.record import Record, static
 from ..display import Labelled
 from ..linear.linearize import DENSE, Linearization, about_state, moving_element_matrices
 from ..linear.sparse_poles import is_steady
-from ..mechanics.inertia import Felt
+from ..mechanics.inertia import InertialLoad
 from ..model.by_name import ByName
 from ..model.model import Model
 from ..questions.over_states import Along
@@ -59,7 +59,7 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
     x: Float[Array, "steps n_x"]
     e: Float[Array, "steps n_e"]
     sigma: Float[Array, "steps n_e"]
-    felt: Felt
+    felt: InertialLoad
     reactions: Float[Array, "steps n_x"]
     external: Float[Array, "steps n_x"]
     critical_values: Float[np.ndarray, "steps n"]
@@ -97,8 +97,10 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
         at = (self.x, self.e, self.sigma, self.reactions, self.external)
         x, e, sigma, reactions, external = (jnp.asarray(np.asarray(rows)[chosen]) for rows in at)
         gravity = None if self.felt.gravity is None else jnp.asarray(np.asarray(self.felt.gravity)[chosen])
-        zero, felt = jnp.zeros((), jnp.int32), Felt(gravity)
-        return about_state(self.model, self.factors(chosen), x, e, sigma, felt, reactions, external, zero, zero)
+        zero, inertial_load = jnp.zeros((), jnp.int32), InertialLoad(gravity)
+        return about_state(
+            self.model, self.factors(chosen), x, e, sigma, inertial_load, reactions, external, zero, zero
+        )
 
     def linearizations(self) -> Any:
         """Raise TypeError: a large mechanism is linearised about one state at a time."""
@@ -123,14 +125,18 @@ def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critic
     points = [s.point for s in steps]
     x, e = np.stack([point.x for point in points]), np.stack([point.strained for point in points])
     sigma = np.stack([equations.sigma(ramp, point) for point in points])
-    felt, reactions, external = zip(
+    inertial_loads, reactions, external = zip(
         *(
             acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, stressed)
             for point, deformed, stressed in zip(points, e, sigma, strict=True)
         ),
         strict=True,
     )
-    gravity = None if felt[0].gravity is None else jax.device_put(np.stack([each.gravity for each in felt]))
+    gravity = (
+        None
+        if inertial_loads[0].gravity is None
+        else jax.device_put(np.stack([load.gravity for load in inertial_loads]))
+    )
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
     stable = np.all(values > 0, axis=1) & (below == 0) & (not critical)
     if equations.unsymmetric:
@@ -142,7 +148,7 @@ def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critic
         x=jax.device_put(x),
         e=jax.device_put(e),
         sigma=jax.device_put(sigma),
-        felt=Felt(gravity),
+        felt=InertialLoad(gravity),
         reactions=jax.device_put(np.stack(reactions)),
         external=jax.device_put(np.stack(external)),
         critical_values=values,
@@ -155,14 +161,14 @@ def path_of(
     equations: SparseEquations, walker: Walker, steps: list[Step], code: RESULTS = RESULTS.successful
 ) -> SparsePath:
     """The path of a walk, with some of its states and the reason for its end."""
-    whole: dict[str, Any] = {
+    shared: dict[str, Any] = {
         "critical_points": tuple(walker.critical),
         "result": jax.device_put(np.int32(code)),
         "model": equations.model,
     }
-    there = None
+    critical_path = None
     if walker.critical_steps:
         critical = _states_at(equations, walker.ramp, walker.critical_steps, critical=True)
-        there = SparsePath(**critical, **whole, critical_states=None)
+        critical_path = SparsePath(**critical, **shared, critical_states=None)
     states = _states_at(equations, walker.ramp, steps)
-    return SparsePath(**states, **whole, critical_states=there, stopped_by=walker.ended or None)
+    return SparsePath(**states, **shared, critical_states=critical_path, stopped_by=walker.ended or None)

@@ -12,20 +12,20 @@ from ..compilation.host import call_host
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError
 from ..math.bordered import Bordered
-from ..math.element_matrices import ElementMatrices, Whole
+from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.indices import put
 from ..math.linear import uneven
 from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LARGEST_ALIKE
 from ..results import RESULTS
-from ..statics.newton_search import Iterate, held_values
-from ..statics.sparse import TurnInCoordinates, along, balanced
+from ..statics.newton_search import Iterate, prescribed_values
+from ..statics.sparse import TurnInCoordinates, balanced, elements_times
 from ..statics.tangent import Assembled, elastic_stress, unknowns
 from .sparse_critical import critical_values_of, shifted, value_of_determinant
 from .stepper import Direction, Move, PathForm, Plane, Point, Ramp, Scale, ramp_of, step_along
@@ -40,20 +40,24 @@ class InCoordinates:
     """
 
     def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
-        (free, fast, held), x, strained = unknowns(topology), point.x, point.strained
+        (free, fast, constrained), x, strained = unknowns(topology), point.x, point.strained
 
         def at_load(load: Float[Array, ""]):
             factors = ramp.at(load)
             stress = elastic_stress(topology, parameters, factors, strained)
-            return *held_values(topology, parameters, factors), stress, nodal_forces(topology, parameters, factors, x)
+            return (
+                *prescribed_values(topology, parameters, factors),
+                stress,
+                nodal_forces(topology, parameters, factors, x),
+            )
 
-        (*wanted, _, _), (moving, growing, by_stress, by_force) = jax.jvp(at_load, (point.load,), (jnp.ones(()),))
+        (*prescribed, _, _), (moving, growing, by_stress, by_force) = jax.jvp(at_load, (point.load,), (jnp.ones(()),))
         trial = Iterate(x, point.near, strained, point.multipliers)
-        self._turn = turn = TurnInCoordinates(topology, parameters, ramp.at(point.load), trial, wanted)
+        self._turn = turn = TurnInCoordinates(topology, parameters, ramp.at(point.load), trial, prescribed)
         self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
         self.following = put(jnp.zeros(topology.n_x), fast, moving[fast])
-        rising = along(topology.n_x, turn.transposed, put(by_stress, held, 0.0)) - by_force
-        by_state = jnp.concatenate([rising[free], -growing[held]])
+        rising = elements_times(topology.n_x, turn.transposed, put(by_stress, constrained, 0.0)) - by_force
+        by_state = jnp.concatenate([rising[free], -growing[constrained]])
         self.by_load = by_state + turn.forces_of(self.following)
 
     def bordering(self, plane: Plane) -> tuple[Array, Array, Array, Array]:
@@ -76,12 +80,12 @@ SPARSE_PATH = PathForm(InCoordinates, reuses=True)
 
 def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> Bordered:
     """Factors of the bordered equations, by NumPy and SciPy alone."""
-    whole = Whole(elements)
-    tangent = whole.at()
+    assembled = AssembledEquations(elements)
+    tangent = assembled.at()
     if stiffness:
         factored = shifted(tangent, float(stiffness), elements.sizes[elements.free])
     else:
-        factored = whole.factors(tangent)
+        factored = assembled.factors(tangent)
     return Bordered(tangent, factored, column, row, float(corner))
 
 
@@ -102,7 +106,7 @@ def _move(
     return np.full_like(right, np.nan), np.array(np.nan), np.array(why, np.int32)
 
 
-def _left(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> tuple[np.ndarray]:
+def _left_null(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> tuple[np.ndarray]:
     bordered = _bordered(elements, column, row, corner, stiffness)
     return (bordered.left() if bordered.regular else np.full_like(column, np.nan),)
 
@@ -111,11 +115,11 @@ def left_null_vector(
     topology: Topology, parameters: Parameters, ramp: Ramp, point: Point, plane: Plane
 ) -> Float[Array, "r"]:
     """Vector y of [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector."""
-    scale = Scale(sizes_of(topology, parameters), jnp.ones(topology.n_x))
+    scale = Scale(coordinate_scales(topology, parameters), jnp.ones(topology.n_x))
     at = InCoordinates(topology, parameters, ramp, scale, point)
     like = (jax.ShapeDtypeStruct(at.by_load.shape, float),)
     known = jax.lax.stop_gradient((at.last, *at.bordering(plane)))
-    return call_host(functools.partial(on_host_thread, _left), like, *known)[0]
+    return call_host(functools.partial(on_host_thread, _left_null), like, *known)[0]
 
 
 @kernel
@@ -153,7 +157,7 @@ class SparseEquations:
         self.model, self.parts = model, (model.topology, model.parameters)
         self.unsymmetric = lacks_potential(model.topology)
         self.free, _, self.held = (np.asarray(i) for i in unknowns(model.topology))
-        self.sizes = np.asarray(sizes_of(*self.parts))
+        self.sizes = np.asarray(coordinate_scales(*self.parts))
         # Near the motions of the last critical values.
         self._soft = np.zeros(len(self.free))
 
@@ -175,9 +179,9 @@ class SparseEquations:
             code = RESULTS[fault.code]
         # A hanging body has no stiffness without stress.
         still = Direction(0 * start.x, 0 * start.strained, 0 * start.load, 0 * start.multipliers)
-        told: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
+        assessment: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
         sizes: Any = self.sizes
-        return ramp, Scale(sizes, sizes), Step(start, still, *told), code
+        return ramp, Scale(sizes, sizes), Step(start, still, *assessment), code
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
         """See :class:`flexmb.paths.walk.WalkEquations`."""
@@ -189,8 +193,8 @@ class SparseEquations:
             with one_thread():
                 find = value_of_determinant if self.unsymmetric else critical_values_of
                 values, below, self._soft = on_host_thread(_critical, find, new.at, self._soft)
-        told: Any = values, new.converged, regular, new.cosine, new.corrections, np.array(below)
-        return Step(new.point, new.tangent, *told)
+        assessment: Any = values, new.converged, regular, new.cosine, new.corrections, np.array(below)
+        return Step(new.point, new.tangent, *assessment)
 
     def null(
         self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
@@ -201,7 +205,7 @@ class SparseEquations:
 
     def _null(self, elements: ElementMatrices, by_load: Any, following: Any, shift: float, beside: Direction):
         at = Assembled(elements)
-        n, rest, sizes = len(self.free), np.zeros(len(self.held)), self.sizes[self.free]
+        n, zeros, sizes = len(self.free), np.zeros(len(self.held)), self.sizes[self.free]
         factors = shifted(at.tangent, shift, sizes)
         other, weight = beside.x[self.free], 1 / sizes**2
 
@@ -216,15 +220,15 @@ class SparseEquations:
             parts: Any = change, at.deformed(change), np.array(load), multipliers
             return Direction(*parts)
 
-        phi, m = uneven(n, 1) * sizes, rest
+        phi, m = uneven(n, 1) * sizes, zeros
         psi = phi
         for _ in range(5):
-            solved = factors.solve(np.concatenate([weight * phi, rest]))
+            solved = factors.solve(np.concatenate([weight * phi, zeros]))
             phi, m = normalised(solved[:n]), solved[n:]
             if self.unsymmetric:
-                psi = normalised(factors.solve(np.concatenate([weight * psi, rest]), transposed=True)[:n])
+                psi = normalised(factors.solve(np.concatenate([weight * psi, zeros]), transposed=True)[:n])
         # Regular with both null vectors, even if they are almost normal to each other.
-        row, column = (np.concatenate([weight * v, rest]) for v in (phi, psi if self.unsymmetric else phi))
+        row, column = (np.concatenate([weight * v, zeros]) for v in (phi, psi if self.unsymmetric else phi))
         solved, _ = Bordered(at.tangent, at.factors(), column, row, 0.0).solve(-by_load, 0.0)
         still, loaded = np.zeros(len(self.sizes)), np.array(following)
         still[self.free], loaded[self.free] = phi, solved[:n]

@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import library_of
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
@@ -19,7 +19,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import REUSED_CORRECTION, SMALLEST_COSINE, SMALLEST_SCALE, STEP_TOLERANCE, STRAIGHT_PATH
 from ..results import RESULTS
-from ..statics.newton_search import ACROSS_PATH, Iterate, Number, held_values
+from ..statics.newton_search import ACROSS_PATH, Iterate, Number, prescribed_values
 from ..statics.solve import TurnInFreedoms
 
 # A refused step is divided by this. Steps with at most so few corrections and a straight path are doubled.
@@ -155,7 +155,7 @@ class PathForm(NamedTuple):
     reuses: bool
 
 
-def can_be_taken(converged: Any, cosine: Number) -> Any:
+def is_acceptable(converged: Any, cosine: Number) -> Any:
     """Whether a step ends on the path that it began on, as far as its end shows."""
     return converged & (cosine > SMALLEST_COSINE)
 
@@ -189,7 +189,7 @@ def load_response(
     topology: Topology, parameters: Parameters, ramp: Ramp, at: State
 ) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
     """Derivatives by the load factor at constant q of x and of the residual; loads are linear in it (THEORY.md 5)."""
-    wanted_x, wanted_e = held_values(topology, parameters, ramp.rate)
+    wanted_x, wanted_e = prescribed_values(topology, parameters, ramp.rate)
     shift = wanted_x - parameters.reference
     imbalance = -nodal_forces(topology, parameters, ramp.rate, at.x)
     extra = stress_of_loads(topology, parameters, scaled_loads(parameters, ramp.rate), at.S)
@@ -234,14 +234,14 @@ def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State
     return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
 
 
-def product(scale: Scale, one: Direction, other: Direction) -> Any:
+def weighted_product(scale: Scale, one: Direction, other: Direction) -> Any:
     """Scalar product of two directions, with positions and angles weighed against load."""
     return scale.weights @ (one.x * other.x) + one.load * other.load
 
 
 def length_of(scale: Scale, d: Direction) -> Any:
     """Length of a change of the state, by JAX, or by NumPy for the walk."""
-    return library_of(d.load).sqrt(product(scale, d, d))
+    return library_of(d.load).sqrt(weighted_product(scale, d, d))
 
 
 def normal_to(scale: Scale, d: Direction) -> Plane:
@@ -258,7 +258,7 @@ def unit(scale: Scale, d: Direction) -> Direction:
 def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
     """Weights by which the motion under the first load and the load itself count alike."""
     xp = library_of(tangent.load)
-    sizes = sizes_of(topology, parameters)
+    sizes = coordinate_scales(topology, parameters)
     motion = xp.max(xp.abs(tangent.x) / sizes, initial=0.0) / xp.abs(tangent.load)
     motion = xp.where(xp.isfinite(motion), xp.clip(motion, SMALLEST_SCALE, 1.0), 1.0)
     return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
@@ -270,8 +270,8 @@ class _InFreedoms:
     def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
         factors = ramp.at(point.load)
         trial = Iterate(point.x, point.near, point.strained, point.multipliers)
-        wanted = held_values(topology, parameters, factors)
-        self._turn = turn = TurnInFreedoms(topology, parameters, factors, trial, wanted)
+        prescribed = prescribed_values(topology, parameters, factors)
+        self._turn = turn = TurnInFreedoms(topology, parameters, factors, trial, prescribed)
         self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
         self.following, self._by_load = load_response(topology, parameters, ramp, turn.last)
         self._sizes = scale.sizes
@@ -346,15 +346,15 @@ def step_along(
         failure = jnp.where(c.failure == RESULTS.successful, move.failure, c.failure).astype(jnp.int32)
         bad = ACROSS_PATH.astray(size, c.before, c.tries) | (failure != RESULTS.successful)
         trial, strained = x + change, at.e + at.deformed(change)
-        near = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
-        point = Point(trial, near, strained, load + move.load, multipliers + move.multipliers)
-        done = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
+        last_strain = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
+        point = Point(trial, last_strain, strained, load + move.load, multipliers + move.multipliers)
+        converged = (size < STEP_TOLERANCE) | (ACROSS_PATH.slow(size, c.before) & (size <= ACROSS_PATH.round_off))
         # Newton's method leaves c size^2 of a correction; factors that are one correction old leave c size of it.
         leaves = jnp.where(jnp.isfinite(c.before), (size / c.before**2) ** 2 * size**3, jnp.inf)
         tangent = Direction(along, at.deformed(along), move.load, move.multipliers)
-        new = _Correcting(point, size, leaves, c.tries + 1, done & ~bad, bad, factored, tangent, last, failure)
-        kept = c._replace(at=factored, tangent=tangent, finished=last, failure=failure)
-        return jax.tree.map(lambda a, b: jnp.where(last, a, b), kept, new)
+        new = _Correcting(point, size, leaves, c.tries + 1, converged & ~bad, bad, factored, tangent, last, failure)
+        unchanged = c._replace(at=factored, tangent=tangent, finished=last, failure=failure)
+        return jax.tree.map(lambda a, b: jnp.where(last, a, b), unchanged, new)
 
     no, none, infinite = jnp.array(False), jnp.zeros((), jnp.int32), jnp.array(jnp.inf)
     nothing = jax.eval_shape(lambda point: form.equations(topology, parameters, ramp, scale, point).last, predicted)
@@ -364,5 +364,5 @@ def step_along(
     tangent = unit(scale, end.tangent)
     finite = jnp.all(jnp.isfinite(tangent.x)) & jnp.isfinite(tangent.load)
     converged = end.done & finite & (end.failure == RESULTS.successful)
-    cosine = product(scale, direction, tangent)
+    cosine = weighted_product(scale, direction, tangent)
     return Stepped(end.point, tangent, end.at, converged, cosine, end.tries, end.failure)

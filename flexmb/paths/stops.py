@@ -5,12 +5,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..arguments import check_number, check_whole, shown
+from ..arguments import check_number, check_whole, short_repr
 from ..display import short, unit_of
 from ..errors import heard
 from ..linear.stress import left_out_of_stress
 from ..model.model import Model
-from ..questions.question import Asked, is_many, names_of
+from ..questions.question import Asked, is_many, question_names
 
 LOAD, STRESS, COUNT = "load_factor", "stress", "critical_points"
 
@@ -68,14 +68,14 @@ def stops_of(model: Model, stop: Mapping[str, Any] | None, state_at: Callable[[A
     if stop is None:
         stop = {}
     if not isinstance(stop, Mapping) or not all(isinstance(name, str) for name in stop):
-        raise TypeError(f'Argument `stop` must be values by name, such as {{"tip.y": -5e-3}}, not {shown(stop)}.')
+        raise TypeError(f'Argument `stop` must be values by name, such as {{"tip.y": -5e-3}}, not {short_repr(stop)}.')
     conditions, most = [], None
     for name, value in stop.items():
-        what = f'stop["{name}"]'
+        subject = f'stop["{name}"]'
         if name == COUNT:
-            most = check_whole(what, value, 1)
+            most = check_whole(subject, value, 1)
             continue
-        check_number(what, value, above=0 if name == STRESS else None)
+        check_number(subject, value, above=0 if name == STRESS else None)
         target = float(value)
         if name == LOAD:
             conditions.append(Condition(name, target, lambda s: s.load))
@@ -103,9 +103,9 @@ def _question(model: Model, name: str, target: float, state_at: Callable[[Any], 
         question = None
     if question is None or not question.name or question.only:
         of_node = [str(entry) for entry in model.labels.x if entry.of in (name, name.rpartition(".")[0])]
-        there = f"there is {', '.join(of_node)}" if of_node else "write node and component, such as tip.y"
-        questions = ", ".join((LOAD, COUNT, *names_of()))
-        raise KeyError(f"no coordinate '{name}' to stop at in this model: {there}, or use {questions}")
+        hint = f"there is {', '.join(of_node)}" if of_node else "write node and component, such as tip.y"
+        questions = ", ".join((LOAD, COUNT, *question_names()))
+        raise KeyError(f"no coordinate '{name}' to stop at in this model: {hint}, or use {questions}")
     if question.name == STRESS:
         left_out_of_stress(model)
 

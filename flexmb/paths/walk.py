@@ -10,7 +10,7 @@ from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.parameters import Parameters
@@ -43,17 +43,17 @@ from .stepper import (
     Ramp,
     Scale,
     begins_undeformed,
-    can_be_taken,
     direction_of,
+    is_acceptable,
     length_of,
     load_response,
     next_length,
     normal_to,
-    product,
     ramp_of,
     scale_of,
     step_along,
     unit,
+    weighted_product,
 )
 from .stops import COUNT, Condition, Last, Stops
 
@@ -121,9 +121,9 @@ class Step(NamedTuple):
 def _begin(topology: Topology, parameters: Parameters):
     ramp, point, tangent, scale, at, result = begin_path(topology, parameters)
     values = critical_values(topology, at, scale.sizes)
-    found = result == RESULTS.successful
+    converged = result == RESULTS.successful
     none = jnp.zeros((), jnp.int32)
-    step = Step(point, tangent, values, found, found, jnp.array(1.0), none, none)
+    step = Step(point, tangent, values, converged, converged, jnp.array(1.0), none, none)
     return ramp, scale, step, result
 
 
@@ -189,16 +189,16 @@ class WalkEquations(Protocol):
 def begin_at(equations: Any, ramp: Ramp, point: Point) -> tuple[Ramp, Scale, Step, Any] | None:
     """Result of :meth:`WalkEquations.begin` at a known state, by a step of no length; None if that fails."""
     topology, parameters = equations.parts
-    numbers: Any = [np.asarray(a, float) for a in (0.0, 1.0, sizes_of(topology, parameters))]
-    none, one, sizes = numbers
+    numbers: Any = [np.asarray(a, float) for a in (0.0, 1.0, coordinate_scales(topology, parameters))]
+    none, unit_load, sizes = numbers
     still: Any = Direction(0 * point.x, 0 * point.strained, none, 0 * point.multipliers)
-    rising: Any = Plane(0 * point.x, one)
+    rising: Any = Plane(0 * point.x, unit_load)
     alike: Any = Scale(sizes, sizes**0)
     step = equations.advance(ramp, alike, point, still, none, rising)
     if not step.converged or not step.regular:
         return None
     scale = scale_of(topology, parameters, step.tangent)
-    step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
+    step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=unit_load)
     return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
 
@@ -216,9 +216,9 @@ class DenseEquations:
             zero: Any = np.zeros(topology.n_e)
             empty: Any = np.zeros(0)
             ramp, x = jax.device_get((ramp_of(topology, parameters), parameters.reference))
-            found = begin_at(self, ramp, Point(x, zero, zero, zero.sum(), empty))
-            if found is not None:
-                return found
+            begun = begin_at(self, ramp, Point(x, zero, zero, zero.sum(), empty))
+            if begun is not None:
+                return begun
         return jax.device_get(_begin(*self.parts))
 
     def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
@@ -248,7 +248,7 @@ class Crossing(NamedTuple):
     number: int
 
 
-class Stride(NamedTuple):
+class AcceptedStep(NamedTuple):
     """A step that can be taken.
 
     Attributes:
@@ -274,7 +274,7 @@ class Departure(NamedTuple):
         is_neutral: Whether a second motion loses its stiffness there, and has none on the branch either.
     """
 
-    new: Stride | None
+    new: AcceptedStep | None
     is_neutral: bool
 
 
@@ -401,7 +401,10 @@ class Walker:
     def continuous(self, low: Step, high: Step) -> bool:
         """Whether a smooth curve joins two states: their tangents and the chord have one direction."""
         chord, size = self.chord(low.point, high.point)
-        return size < NEAR_STATES or min(product(self.scale, chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
+        return (
+            size < NEAR_STATES
+            or min(weighted_product(self.scale, chord, at.tangent) for at in (low, high)) > SMALLEST_COSINE
+        )
 
     def curve(self, low: Step, high: Step, share: float) -> Point:
         """Point between two states, on the cubic through both with their tangents."""
@@ -416,8 +419,8 @@ class Walker:
             arriving = size * getattr(high.tangent, name) - (b - a)
             return straight(a, b) + share * (1 - share) * ((1 - share) * leaving - share * arriving)
 
-        near = straight(low.point.near, high.point.near)
-        return Point(bent("x"), near, bent("strained"), bent("load"), bent("multipliers"))
+        last_strain = straight(low.point.near, high.point.near)
+        return Point(bent("x"), last_strain, bent("strained"), bent("load"), bent("multipliers"))
 
     def between(self, low: _Trial, high: _Trial) -> Zero:
         """Zero between two close states."""
@@ -455,13 +458,13 @@ class Walker:
         def trial(low: _Trial, high: _Trial, share: float) -> _Trial | None:
             new = self.advance(self.curve(low.step, high.step, share), still, 0.0, plane)
             way, size = self.chord(begin.point, new.point)
-            place = size * product(self.scale, way, begin.tangent)
-            cosine = product(self.scale, begin.tangent, new.tangent)
+            place = size * weighted_product(self.scale, way, begin.tangent)
+            cosine = weighted_product(self.scale, begin.tangent, new.tangent)
             if not (bool(new.converged) and cosine >= least and low.length < place < high.length):
                 return None
-            found = _Trial(place, value(new), new._replace(cosine=np.array(cosine)))
-            side = begin if (found.value > 0) == (low.value > 0) else end
-            return None if alone and new.orientation != side.orientation else found
+            candidate = _Trial(place, value(new), new._replace(cosine=np.array(cosine)))
+            side = begin if (candidate.value > 0) == (low.value > 0) else end
+            return None if alone and new.orientation != side.orientation else candidate
 
         low, high, reached = _narrowed(low, high, trial, small)
         if not reached:
@@ -477,9 +480,9 @@ class Walker:
             return None
         if abs(best.value) <= small:
             return Zero(best.length, best.step, 0.0)
-        found = self.between(low, high)
+        estimate = self.between(low, high)
         # Values that only round-off separates have no change of sign.
-        return found if np.isfinite(found.step.load) else None
+        return estimate if np.isfinite(estimate.step.load) else None
 
     def cross(self, begin: Step, length: float, end: Step, widest: float) -> list[Crossing] | None:
         """Critical points on a step; None if the path jumps."""
@@ -498,26 +501,26 @@ class Walker:
                 return [Crossing(turn, "bifurcation", nearest)]
             if alone and self.vanishes(low, begin, turn.step, end):
                 return [Crossing(turn, "limit", low)]
-        found = []
+        crossings = []
         for j in range(low, high):
             at = self.zero(begin, length, end, lambda s, j=j: s.critical_value(j), widest, alone)
             if at is None:
                 return None
-            found.append(Crossing(at, "bifurcation", j))
+            crossings.append(Crossing(at, "bifurcation", j))
         if turn is not None:
             # At a limit point psi^T r_load is not zero, so that the load's rate vanishes with the stiffness.
-            i = min(range(len(found)), key=lambda i: abs(found[i].zero.length - turn.length))
-            found[i] = Crossing(turn, "limit", found[i].number)
-        return sorted(found, key=lambda f: f.zero.length)
+            i = min(range(len(crossings)), key=lambda i: abs(crossings[i].zero.length - turn.length))
+            crossings[i] = Crossing(turn, "limit", crossings[i].number)
+        return sorted(crossings, key=lambda f: f.zero.length)
 
     def vanishes(self, number: int, begin: Step, at: Step, end: Step) -> bool:
         """Whether a critical value that changes its sign on a step is zero where the load turns back."""
-        there = abs(at.critical_value(number))
-        return there <= VANISHED_VALUE * max(abs(step.critical_value(number)) for step in (begin, end))
+        size = abs(at.critical_value(number))
+        return size <= VANISHED_VALUE * max(abs(step.critical_value(number)) for step in (begin, end))
 
     def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> list[Last] | None:
         """First place of each condition that is met on a step; None if the path jumps."""
-        found = []
+        endings = []
         for condition in self.conditions:
             places = self.extremes(condition, begin, length, end, crossed)
             if places is None:
@@ -530,9 +533,9 @@ class Walker:
                     last = self.met(condition, begin, length, end, (places[i], places[i + 1]))
                     if last is None:
                         return None
-                    found.append(last)
+                    endings.append(last)
                     break
-        return found
+        return endings
 
     def extremes(
         self, condition: Condition, begin: Step, length: float, end: Step, crossed: list[Crossing]
@@ -546,8 +549,8 @@ class Walker:
         excess = [condition.excess(at) for at in (begin, end)]
         rates = [float(at.tangent.x[entry]) for at in (begin, end)]
         # It approaches first, recedes last, and is near enough to have been there.
-        near = min(map(abs, excess)) < length * max(map(abs, rates))
-        if not (near and excess[0] * excess[1] > 0 and excess[0] * rates[0] < 0 < excess[1] * rates[1]):
+        close = min(map(abs, excess)) < length * max(map(abs, rates))
+        if not (close and excess[0] * excess[1] > 0 and excess[0] * rates[0] < 0 < excess[1] * rates[1]):
             return []
         turn = self.zero(begin, length, end, lambda s: float(s.tangent.x[entry]))
         return None if turn is None else [(turn.length, turn.step)]
@@ -564,30 +567,30 @@ class Walker:
         if not condition.at_ends:
             # The corrector keeps the value itself, to round-off.
             target: Any = np.array(condition.start + condition.target)
-            one: Any = np.arange(len(at.x)) == condition.entry
+            selected: Any = np.arange(len(at.x)) == condition.entry
             by_load = condition.entry is None
-            at = at._replace(load=target) if by_load else at._replace(x=np.where(one, target, at.x))
-            plane = Plane(one.astype(float), target * 0 + by_load)
+            at = at._replace(load=target) if by_load else at._replace(x=np.where(selected, target, at.x))
+            plane = Plane(selected.astype(float), target * 0 + by_load)
         exact = self.advance(at, still, 0.0, plane)
         return Last(reached.length, exact if bool(exact.converged) else reached.step, condition.name)
 
-    def motions(self, taken: Stride) -> tuple[list[Direction], list[Direction]]:
+    def motions(self, taken: AcceptedStep) -> tuple[list[Direction], list[Direction]]:
         """Motions without stiffness at the critical points of a step, normal to each other if two coincide.
 
         Also, for each, the direction normal to it in which the mechanism follows a rising load.
         """
-        found: list[Direction] = []
+        directions: list[Direction] = []
         loaded: list[Direction] = []
         for i, crossing in enumerate(taken.crossed):
             zero, before = crossing.zero, taken.crossed[i - 1].zero
             coincide = i > 0 and zero.length - before.length <= max(WIDEST_GAP * taken.length, WIDEST_GAP_AT_LEAST)
-            beside = found[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
+            beside = directions[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
             shift = np.asarray(np.abs(taken.begin.critical_value(crossing.number)) * NULL_VECTOR_SHIFT)
             arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
             phi, along = self.equations.null(*arguments)
-            found.append(phi)
+            directions.append(phi)
             loaded.append(along)
-        return found, loaded
+        return directions, loaded
 
     def name(self, crossing: Crossing, phi: Direction) -> None:
         """Add a critical point."""
@@ -596,7 +599,7 @@ class Walker:
         self.critical_steps.append(at)
         self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
 
-    def is_neutral(self, taken: Stride, crossing: Crossing, phi: Direction) -> bool:
+    def is_neutral(self, taken: AcceptedStep, crossing: Crossing, phi: Direction) -> bool:
         """Whether a motion meets no stiffness on the branch that leaves a bifurcation along another motion."""
         begin, direction = crossing.zero.step, unit(self.scale, phi)
         value = max(abs(step.critical_value(crossing.number)) for step in (taken.begin, taken.end))
@@ -609,7 +612,7 @@ class Walker:
                 return bool(sizes[0] <= NEUTRAL_ON_BRANCH * sizes[1])
         return False
 
-    def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> Stride | None:
+    def branch(self, begin: Step, phi: Direction, others: list[Direction], sign: float) -> AcceptedStep | None:
         """First step on the branch that leaves a bifurcation along a motion.
 
         If two motions lose their stiffness together, branches leave only along some of their sums.
@@ -627,18 +630,20 @@ class Walker:
                     start = begin._replace(tangent=direction)
                     met = self.finish(start, length, new, [])
                     if met is not None:
-                        return Stride(start, length, new, [], min(met, key=lambda last: last.length, default=None))
+                        return AcceptedStep(
+                            start, length, new, [], min(met, key=lambda last: last.length, default=None)
+                        )
                     length /= 4
                     continue
                 way, size = self.chord(begin.point, new.point)
-                if size > 0 and product(self.scale, way, direction) > 0.5:
+                if size > 0 and weighted_product(self.scale, way, direction) > 0.5:
                     # The corrector moved towards a branch in another direction.
                     direction = way
                 else:
                     length /= 4
         return None
 
-    def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST_GAP) -> Stride | None:
+    def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST_GAP) -> AcceptedStep | None:
         """Critical points and conditions on a step; None if the path jumps on it."""
         crossed = self.cross(begin, length, end, widest)
         if crossed is None:
@@ -646,9 +651,9 @@ class Walker:
         met = self.finish(begin, length, end, crossed)
         if met is None:
             return None
-        return Stride(begin, length, end, crossed, min(met, key=lambda last: last.length, default=None))
+        return AcceptedStep(begin, length, end, crossed, min(met, key=lambda last: last.length, default=None))
 
-    def leap(self, begin: Step) -> Stride | None:
+    def leap(self, begin: Step) -> AcceptedStep | None:
         """Shortest step over states that are not found; None without one."""
         directions = [begin.tangent]
         if len(self.steps) > 1:
@@ -658,13 +663,13 @@ class Walker:
             start = begin._replace(tangent=direction)
             for length in self.longest(direction) / 4.0 ** np.arange(10)[::-1]:
                 end = self.advance(begin.point, direction, length)
-                if can_be_taken(end.converged, end.cosine) and self.continuous(start, end):
-                    taken = self.stride(start, float(length), end, widest=1.0)
-                    if taken is not None:
-                        return taken
+                if is_acceptable(end.converged, end.cosine) and self.continuous(start, end):
+                    path_step = self.stride(start, float(length), end, widest=1.0)
+                    if path_step is not None:
+                        return path_step
         return None
 
-    def come_round(self, taken: Stride) -> Step | None:
+    def come_round(self, taken: AcceptedStep) -> Step | None:
         """State on a step that the path passed before in the same direction; None if the path is not closed."""
         begin, old = taken.begin, self.steps[:-1]
         if not old:
@@ -674,12 +679,12 @@ class Walker:
         along = (dx * self.scale.weights) @ begin.tangent.x + dload * begin.tangent.load
         off = dx**2 @ self.scale.weights + dload**2 - along**2
         for i in np.flatnonzero((along > 0) & (along <= taken.length) & (off < (taken.length / 2) ** 2)):
-            if product(self.scale, old[i].tangent, begin.tangent) > 0.5:
+            if weighted_product(self.scale, old[i].tangent, begin.tangent) > 0.5:
                 new = self.advance(begin.point, begin.tangent, along[i])
-                apart = np.abs(new.point.x - old[i].point.x) / self.scale.sizes
+                distances = np.abs(new.point.x - old[i].point.x) / self.scale.sizes
                 # An angle after another full turn is another state, with equal Euler parameters.
                 turned = np.abs(new.point.strained - old[i].point.strained)
-                same = max(np.max(apart, initial=0.0), abs(new.load - old[i].load)) < SAME_STATE and np.all(
+                same = max(np.max(distances, initial=0.0), abs(new.load - old[i].load)) < SAME_STATE and np.all(
                     turned < 1.0
                 )
                 if bool(new.converged) and same:
@@ -704,12 +709,12 @@ class Walker:
             length = min(length, self.longest(begin.tangent))
             # This form ends the walk for NaN.
             if not SHORTEST_PATH_STEP * self.step <= length < np.inf:
-                taken = self.leap(begin)
-                if taken is None:
+                path_step = self.leap(begin)
+                if path_step is None:
                     if len(self.steps) == 1 and begin.singular:
                         return RESULTS.singular_stiffness
                     return RESULTS.not_converged if regular else RESULTS.singular_configuration
-                length = taken.length
+                length = path_step.length
             else:
                 short = self.end - begin.load - length * float(begin.tangent.load)
                 if 0 <= short < 0.2 * length * float(begin.tangent.load):
@@ -717,41 +722,41 @@ class Walker:
                     length *= 1.25
                 end = self.advance(begin.point, begin.tangent, length)
                 regular = bool(end.regular)
-                if not can_be_taken(end.converged, end.cosine):
+                if not is_acceptable(end.converged, end.cosine):
                     length /= SHORTER
                     continue
                 if abs(end.negative - begin.negative) > 1 and length > 1e-2 * self.step:
                     length /= 2
                     continue
-                taken = self.stride(begin, length, end)
-                if taken is None:
+                path_step = self.stride(begin, length, end)
+                if path_step is None:
                     length /= SHORTER
                     continue
-            departure = self.pass_critical_points(taken, switch)
+            departure = self.pass_critical_points(path_step, switch)
             if departure is not None:
                 if departure.is_neutral:
                     return RESULTS.neutral_branch
                 if departure.new is None:
                     return RESULTS.not_converged
-                taken = departure.new
+                path_step = departure.new
             elif self.ended is not None:
                 return RESULTS.successful
-            if taken.last is not None:
-                self.steps.append(taken.last.step)
-                self.ended = taken.last.name
+            if path_step.last is not None:
+                self.steps.append(path_step.last.step)
+                self.ended = path_step.last.name
                 return RESULTS.successful
             if departure is not None:
-                self.steps.append(taken.end)
+                self.steps.append(path_step.end)
                 continue
-            again = self.come_round(taken)
+            again = self.come_round(path_step)
             if again is not None:
                 self.steps.append(again)
                 return RESULTS.closed_path
-            self.steps.append(taken.end)
-            length = next_length(length, taken.end.corrections, taken.end.cosine)
+            self.steps.append(path_step.end)
+            length = next_length(length, path_step.end.corrections, path_step.end.cosine)
         return self.code
 
-    def pass_critical_points(self, taken: Stride, switch: dict[int, int]) -> Departure | None:
+    def pass_critical_points(self, taken: AcceptedStep, switch: dict[int, int]) -> Departure | None:
         """Add the critical points up to the end of a step, or to a bifurcation where the walk changes the branch."""
         motions, loaded = self.motions(taken)
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
@@ -768,7 +773,9 @@ class Walker:
                 if len(motions) > 1 and self.is_neutral(taken, crossing, phi):
                     return Departure(None, True)
                 way, _ = self.chord(taken.begin.point, taken.end.point)
-                along_phi, along_load = (abs(product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i]))
+                along_phi, along_load = (
+                    abs(weighted_product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i])
+                )
                 if along_phi > along_load:
                     # The walk came along phi: the other branch follows the load.
                     phi, others = loaded[i], []

@@ -48,17 +48,17 @@ def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
     return buffer.getvalue()
 
 
-def _figure(found: Result) -> Any:
+def _figure(result: Result) -> Any:
     """The picture of a result; of several states also the mechanism in the last one."""
     import matplotlib.pyplot as plt
 
-    draw, states = getattr(plot, found.summary().picture or "mechanism"), found.states()
+    draw, states = getattr(plot, result.summary().picture or "mechanism"), result.states()
     if states is None or np.ndim(states.x) == 1:
-        return draw(found, **({"names": True} if draw is plot.mechanism else {})).figure
+        return draw(result, **({"names": True} if draw is plot.mechanism else {})).figure
     figure = plt.figure(figsize=(10, 4.5), layout="constrained")
-    draw(found, ax=figure.add_subplot(1, 2, 1))
+    draw(result, ax=figure.add_subplot(1, 2, 1))
     space = {"projection": "3d"} if states.model.labels.dimension == 3 else {}
-    plot.mechanism(found, ax=figure.add_subplot(1, 2, 2, **space))
+    plot.mechanism(result, ax=figure.add_subplot(1, 2, 2, **space))
     return figure
 
 
@@ -66,11 +66,11 @@ def _add_stress(figure: Any, lin: Linearization) -> None:
     """Draw von Mises stress at the right of a figure."""
     from matplotlib.gridspec import GridSpec
 
-    placed = [(ax, own) for ax in figure.axes if (own := ax.get_subplotspec()) is not None]
+    placed = [(ax, spec) for ax in figure.axes if (spec := ax.get_subplotspec()) is not None]
     rows, columns = placed[0][1].get_gridspec().get_geometry()
     grid, width = GridSpec(rows, columns + max(1, columns // 2), figure=figure), figure.get_figwidth()
-    for ax, own in placed:
-        ax.set_subplotspec(grid[own.rowspan.start : own.rowspan.stop, own.colspan.start : own.colspan.stop])
+    for ax, spec in placed:
+        ax.set_subplotspec(grid[spec.rowspan.start : spec.rowspan.stop, spec.colspan.start : spec.colspan.stop])
     figure.set_figwidth(width * grid.ncols / columns)
     space = {"projection": "3d"} if lin.labels.dimension == 3 else {}
     plot.stress(stress(lin.model, at=lin), lin, ax=figure.add_subplot(grid[:, columns:], **space))

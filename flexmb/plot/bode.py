@@ -99,32 +99,32 @@ def bode(
     us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
     names = [[names[0][i] for i in rows], [names[1][j] for j in columns]]
     figure = _drawn(frequencies, responses, moved, ys, us, *names)
-    said = [
-        f"{what}: {', '.join(name for i, name in enumerate(every) if i not in own)}"
-        for what, own, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
-        if len(own) < len(every)
+    notes = [
+        f"{effect}: {', '.join(name for i, name in enumerate(every) if i not in indices)}"
+        for effect, indices, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
+        if len(indices) < len(every)
     ]
     if beyond:
-        said.append(f"{beyond} poles are outside the picture: give hertz= to see them")
-    if said:
-        figure.supxlabel(textwrap.fill("; ".join(said), int(13 * figure.get_figwidth())), fontsize=8)
+        notes.append(f"{beyond} poles are outside the picture: give hertz= to see them")
+    if notes:
+        figure.supxlabel(textwrap.fill("; ".join(notes), int(13 * figure.get_figwidth())), fontsize=8)
     return figure
 
 
-def _system(found: Any) -> tuple[Any, float]:
+def _system(source: Any) -> tuple[Any, float]:
     """The state-space model to draw, and the multiple of its lowest pole up to which it is drawn."""
     import control
 
-    if isinstance(found, Model | Linearization):
-        return to_statespace(found), FARTHEST
-    if not isinstance(found, control.StateSpace):
+    if isinstance(source, Model | Linearization):
+        return to_statespace(source), FARTHEST
+    if not isinstance(source, control.StateSpace):
         raise TypeError(
             "A Bode plot needs a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not"
-            f" {kind_of(found)}."
+            f" {kind_of(source)}."
         )
-    if found.isdtime(strict=True):
-        raise ValueError(f"A Bode plot needs a continuous system, not one sampled every {found.dt} s.")
-    return found, np.inf
+    if source.isdtime(strict=True):
+        raise ValueError(f"A Bode plot needs a continuous system, not one sampled every {source.dt} s.")
+    return source, np.inf
 
 
 def _triangular(system: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -148,17 +148,20 @@ def _responses(
             moved[i] = (right[i] + of_others) / (s - triangular[i, i])[:, None]
         return np.tensordot(left, moved, 1).swapaxes(0, 1) + through
 
-    found = at(frequencies)
-    largest = np.max(np.abs(found), axis=0)
+    responses = at(frequencies)
+    largest = np.max(np.abs(responses), axis=0)
     moved = largest > SMALLEST_RESPONSE * np.max(largest, axis=0)
     for _ in range(ROUNDS):
-        turns = np.abs(np.angle(found[1:] * np.conj(found[:-1]))) * moved
+        turns = np.abs(np.angle(responses[1:] * np.conj(responses[:-1]))) * moved
         gaps = np.flatnonzero(np.max(turns, axis=(1, 2), initial=0.0) > TURN)
         if not len(gaps):
             break
         more = np.sqrt(frequencies[gaps] * frequencies[gaps + 1])
-        frequencies, found = np.insert(frequencies, gaps + 1, more), np.insert(found, gaps + 1, at(more), axis=0)
-    return frequencies, found, moved
+        frequencies, responses = (
+            np.insert(frequencies, gaps + 1, more),
+            np.insert(responses, gaps + 1, at(more), axis=0),
+        )
+    return frequencies, responses, moved
 
 
 def _drawn(
@@ -230,18 +233,18 @@ def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
     poles = np.abs(poles[np.imag(poles) >= 0]) / (2 * np.pi)
     poles = poles[poles > POLE_AT_ZERO * np.max(poles, initial=0.0)]
     poles = poles if poles.size else np.ones(1)
-    near = poles[poles <= farthest / 10 * np.min(poles)]
-    beyond, poles = len(poles) - len(near), near
+    near_poles = poles[poles <= farthest / 10 * np.min(poles)]
+    beyond, poles = len(poles) - len(near_poles), near_poles
     ends = np.log10(np.min(poles)) - 1, np.log10(np.max(poles)) + 1
     beside = 10 ** np.concatenate([-np.logspace(-5, -1, 20), np.logspace(-5, -1, 20)])
     return np.unique(np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()])), beyond
 
 
-def _chosen(kind: str, known: Sequence[str], wanted: Sequence[str] | str | None) -> list[int]:
-    if wanted is None:
+def _chosen(kind: str, known: Sequence[str], requested: Sequence[str] | str | None) -> list[int]:
+    if requested is None:
         return list(range(len(known)))
     # python-control has a blank where a name has a dot.
-    names = [name.replace(".", " ") for name in ([wanted] if isinstance(wanted, str) else wanted)]
+    names = [name.replace(".", " ") for name in ([requested] if isinstance(requested, str) else requested)]
     if wrong := [name for name in names if name not in known]:
         raise ValueError(f"There is no {kind} '{wrong[0]}'. There is: {', '.join(known)}.")
     return [list(known).index(name) for name in names]

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from ..display import prefix_of
 from ..linear.state_series import Series
-from .geometry import Line, extent_of
+from .geometry import Line, point_extent
 
 # Colours that the colour-blind and printers tell apart (Okabe and Ito).
 BLUE, GREEN, RED, GREY, BLACK = "#0072B2", "#009E73", "#D55E00", "#BBBBBB", "#222222"
@@ -50,11 +50,11 @@ def prefixed(drawn: Series) -> tuple[float, str]:
     """Factor by which a quantity is read without powers of ten, and the label of its axis then."""
     if drawn.unit == "-" or "," in drawn.unit:
         return 1.0, drawn.axis
-    factor, unit = prefix_for(largest_of(drawn.values), drawn.unit)
+    factor, unit = prefix_for(largest_finite(drawn.values), drawn.unit)
     return factor, f"{drawn.label} [{unit}]"
 
 
-def largest_of(values: Any) -> float:
+def largest_finite(values: Any) -> float:
     """Largest size of the finite values, 0 if there are none."""
     values = np.abs(np.asarray(values, float))
     return float(np.max(values[np.isfinite(values)], initial=0.0))
@@ -82,7 +82,7 @@ def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
     return unit
 
 
-def grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
+def figure_grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
     """Figure with axes for several mechanisms, at most three in a row.
 
     Args:
@@ -132,9 +132,9 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
         polylines(ax, drawn, "undeformed", color=GREY, linewidth=1.0, linestyle="--", zorder=1)
         return
     for kind, style in STYLES.items():
-        own = [line.points for line in lines if line.kind == kind]
-        if own:
-            polylines(ax, own, kind, zorder=2, **style)
+        polyline_points = [line.points for line in lines if line.kind == kind]
+        if polyline_points:
+            polylines(ax, polyline_points, kind, zorder=2, **style)
     if places := [line.points[0] for line in lines if line.kind == "hinge"]:
         marks(ax, np.array(places), "hinge", marker="o", markersize=8, color=BLACK, markerfacecolor="white", zorder=4)
 
@@ -173,16 +173,16 @@ def arrow(ax: Any, start: Float[np.ndarray, "d"], vector: Float[np.ndarray, "d"]
         ax.quiver(*start, *vector, color=color, label=label, width=0.006, zorder=5, **scaled)
 
 
-def write(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> None:
+def write_text(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) -> None:
     """Text at a point."""
     # Legible over lines.
     paper = {"facecolor": "white", "edgecolor": "none", "alpha": 0.6, "pad": 0.5}
     ax.text(*point, text, fontsize=8, zorder=6, bbox=paper, **style)
 
 
-def frame(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
+def frame_points(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
     """Limits around points, equal scales, and labels with the unit that suits the extent."""
-    around = margin * extent_of(points)
+    around = margin * point_extent(points)
     low, high = np.min(points, axis=0) - around, np.max(points, axis=0) + around
     # A flat direction keeps some thickness, to make its axis readable.
     size = np.maximum(high - low, 0.25 * np.max(high - low))
@@ -207,7 +207,7 @@ def _ticks(count: float) -> Any:
     return MaxNLocator(max(1, round(count)), min_n_ticks=1)
 
 
-def spread(ax: Any) -> None:
+def spread_texts(ax: Any) -> None:
     """Move the texts of a picture so that they lie over no other text, axis or colour bar, each as little as it takes.
 
     Call it when all else is drawn. Texts move on paper: what they belong to may turn or grow afterwards.
@@ -221,12 +221,12 @@ def spread(ax: Any) -> None:
     root.draw_without_rendering()
     # The area that the layout gave to these axes. Axes of equal scales fill part of it.
     bounds = ax.get_position(original=True).transformed(root.transSubfigure)
-    taken = [own for other in root.axes if other is not ax and (own := other.get_tightbbox()) is not None]
-    taken += _numbers_along(ax)
+    occupied = [box for other in root.axes if other is not ax and (box := other.get_tightbbox()) is not None]
+    occupied += _numbers_along(ax)
     boxes = [_box_of(text, ax).padded(1.0) for text in texts]
     for i in sorted(range(len(texts)), key=lambda i: -boxes[i].y0):
-        moved = _free(boxes[i], bounds, taken)
-        taken.append(moved)
+        moved = _free(boxes[i], bounds, occupied)
+        occupied.append(moved)
         shift = ScaledTranslation(
             (moved.x0 - boxes[i].x0) / root.dpi, (moved.y0 - boxes[i].y0) / root.dpi, root.dpi_scale_trans
         )
@@ -248,26 +248,26 @@ def _box_of(text: Any, ax: Any) -> Any:
 
 def _numbers_along(ax: Any) -> list[Any]:
     """Boxes of the numbers along the axes and of their labels, on paper."""
-    found = []
+    boxes = []
     for name in "xyz"[: 3 if ax.name == "3d" else 2]:
         axis, (low, high) = getattr(ax, f"{name}axis"), sorted(getattr(ax, f"get_{name}lim")())
         # The ticks as drawn: functions that return the ticks of axes in space move them.
-        found += [tick.label1.get_window_extent() for tick in axis.majorTicks if low <= tick.get_loc() <= high]
-        found.append(axis.label.get_window_extent())
-    return found
+        boxes += [tick.label1.get_window_extent() for tick in axis.majorTicks if low <= tick.get_loc() <= high]
+        boxes.append(axis.label.get_window_extent())
+    return boxes
 
 
-def _free(box: Any, bounds: Any, taken: list[Any]) -> Any:
+def _free(box: Any, bounds: Any, occupied: list[Any]) -> Any:
     """The nearest box within bounds that covers no other box; the box itself if there is none."""
     left, right = min(bounds.x0 - box.x0, 0.0), min(bounds.x1 - box.x1, 0.0)
     aside = right or (left if box.x0 < bounds.x0 else 0.0)
     across = aside + np.array([0.0, -0.25, 0.25, -0.5, 0.5, -1.0, 1.0]) * box.width
     steps = box.height / 2 * np.arange(-40, 41)
-    shifts = sorted(((dx, dy) for dx in across for dy in steps), key=lambda own: np.hypot(own[0] - aside, own[1]))
+    shifts = sorted(((dx, dy) for dx in across for dy in steps), key=lambda shift: np.hypot(shift[0] - aside, shift[1]))
     for dx, dy in shifts:
         moved = box.translated(dx, dy)
         inside = moved.x0 >= bounds.x0 - 1 and moved.x1 <= bounds.x1 + 1
         inside = inside and moved.y0 >= bounds.y0 and moved.y1 <= bounds.y1
-        if inside and not any(moved.overlaps(other) for other in taken):
+        if inside and not any(moved.overlaps(other) for other in occupied):
             return moved
     return box

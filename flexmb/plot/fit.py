@@ -60,8 +60,8 @@ def _beside(ax: Any, item: Measured, computed: np.ndarray, band: np.ndarray) -> 
     ax.legend(fontsize=8)
 
 
-def _differences(ax: Any, found: Fit) -> None:
-    rows = np.concatenate([found.residuals[item.name] for item in found.data]) / (found.noise or 1.0)
+def _differences(ax: Any, fit_result: Fit) -> None:
+    rows = np.concatenate([fit_result.residuals[item.name] for item in fit_result.data]) / (fit_result.noise or 1.0)
     ax.axhspan(-2, 2, color=BLACK, alpha=0.1)
     ax.plot(np.arange(1, len(rows) + 1), rows, ".", color=BLUE)
     far = np.flatnonzero(np.abs(rows) > 3)
@@ -71,9 +71,9 @@ def _differences(ax: Any, found: Fit) -> None:
     ax.grid(visible=True, alpha=0.3)
 
 
-def _correlation(ax: Any, found: Fit) -> None:
-    image = ax.imshow(found.correlation, cmap="RdBu", vmin=-1, vmax=1)
+def _correlation(ax: Any, fit_result: Fit) -> None:
+    image = ax.imshow(fit_result.correlation, cmap="RdBu", vmin=-1, vmax=1)
     ax.figure.colorbar(image, ax=ax, label="correlation [-]")
-    if len(found.labels) <= NAMED:
-        ax.set_xticks(range(len(found.labels)), found.labels, rotation=45, ha="right")
-        ax.set_yticks(range(len(found.labels)), found.labels)
+    if len(fit_result.labels) <= NAMED:
+        ax.set_xticks(range(len(fit_result.labels)), fit_result.labels, rotation=45, ha="right")
+        ax.set_yticks(range(len(fit_result.labels)), fit_result.labels)

@@ -10,7 +10,7 @@ from ..motion.motion import Motion
 from ..paths.path import Path
 from ..paths.sparse_path import SparsePath
 from ..questions.frequency import frequencies_along
-from .canvas import label_axis, largest_of, plain_axes
+from .canvas import label_axis, largest_finite, plain_axes
 from .modes import AT_MOST
 from .path import index_of
 from .state import states_of
@@ -46,8 +46,8 @@ def frequencies(
     along, label = states.along, states.label
     of_motion = isinstance(found, Motion)
     if isinstance(found, SparsePath):
-        each = [frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))]
-        hertz = np.asarray(each)
+        by_state = [frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))]
+        hertz = np.asarray(by_state)
     else:
         hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
     if of is not None:
@@ -59,7 +59,7 @@ def frequencies(
     ax.set_xlabel(label)
     if of is not None:
         entry = found.labels.x[index_of(found.labels, of)]
-        label_axis(ax.xaxis, str(entry), unit_of(entry), largest_of(along))
+        label_axis(ax.xaxis, str(entry), unit_of(entry), largest_finite(along))
     ax.set_ylabel("frequency [Hz]")
     ax.grid(visible=True, alpha=0.3)
     left_out = hertz.shape[1] - len(drawn)

@@ -34,14 +34,14 @@ class Line(NamedTuple):
 
 def nodes_of(model: Model, part: str = "position") -> dict[str, np.ndarray]:
     """Indices in x of every node of one kind. Returns the indices by node name, in the order of the model."""
-    found: dict[str, list[int]] = {}
+    by_name: dict[str, list[int]] = {}
     for i, entry in enumerate(model.labels.x):
         if entry.kind == part:
-            found.setdefault(entry.of, []).append(i)
-    return {name: np.array(indices) for name, indices in found.items()}
+            by_name.setdefault(entry.of, []).append(i)
+    return {name: np.array(indices) for name, indices in by_name.items()}
 
 
-def extent_of(points: Float[np.ndarray, "n d"]) -> float:
+def point_extent(points: Float[np.ndarray, "n d"]) -> float:
     """Largest size of a set of points along an axis, 1 of a single point [m]."""
     return (float(np.max(np.ptp(points, axis=0))) if len(points) else 0.0) or 1.0
 
@@ -51,7 +51,7 @@ def places_of_rotations(model: Model) -> dict[str, list[str]]:
 
     Returns the names of points by name of the rotation.
     """
-    found: dict[str, list[str]] = {}
+    points_by_name: dict[str, list[str]] = {}
     for block in model.topology.blocks:
         kinds = list(block.element.nodes.values())
         starts = [0, *block.splits]
@@ -62,8 +62,8 @@ def places_of_rotations(model: Model) -> dict[str, list[str]]:
                 if kind.part == "position":
                     point = name
                 elif kind.part == "rotation" and point is not None:
-                    found.setdefault(name, []).append(point)
-    return found
+                    points_by_name.setdefault(name, []).append(point)
+    return points_by_name
 
 
 def lines(
@@ -75,25 +75,25 @@ def lines(
     the cubic along the axis that the undeformed element had, and other points by straight lines. Returns the lines in
     the order of the model.
     """
-    found: dict[str, Line] = {}
+    by_element: dict[str, Line] = {}
     companions = _companions(model)
     roles, paired = model.roles()[1], places_of_rotations(model)
     reference = np.asarray(model.parameters.reference)
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        names = names_of(model, block)
+        names = element_names(model, block)
         if "deformation" not in block.companions or not names:
             continue
         curves = curves_of(block, properties, reference, x, places)
         for i, (name, deformations) in enumerate(zip(names, np.asarray(block.e).tolist(), strict=True)):
-            own = companions[name]
+            element_companions = companions[name]
             fixed = all(roles[k] is Role.FIXED for k in deformations)
-            kind = _kind(block, own, fixed)
+            kind = _kind(block, element_companions, fixed)
             points = _meeting(model, block, i, x, paired) if kind == "hinge" else curves[i]
             if kind == "spring" and not straight:
                 points = zigzag(points[0], points[-1])
             if len(points):
-                found[name] = Line(name, kind, points)
-    return [found[name] for name, *_ in model.labels.elements if name in found]
+                by_element[name] = Line(name, kind, points)
+    return [by_element[name] for name, *_ in model.labels.elements if name in by_element]
 
 
 def scaled_lines(
@@ -106,21 +106,21 @@ def scaled_lines(
     """
     if factor == 1:
         return lines(model, x)
-    found = []
+    scaled = []
     for still, moved in zip(lines(model, base, straight=True), lines(model, x, straight=True), strict=True):
         points = still.points + factor * (moved.points - still.points)
-        found.append(moved._replace(points=zigzag(points[0], points[-1]) if moved.kind == "spring" else points))
-    return found
+        scaled.append(moved._replace(points=zigzag(points[0], points[-1]) if moved.kind == "spring" else points))
+    return scaled
 
 
 def masses(model: Model) -> list[np.ndarray]:
     """Indices in x of every point that carries a lumped mass, or a body."""
-    found = []
+    point_indices = []
     for block in model.topology.blocks:
         first = next(iter(block.element.nodes.values()))
         if block.e.shape[1] == 0 and "inertia" in block.companions and first.part == "position":
-            found += list(np.asarray(block.x)[:, : first.size])
-    return found
+            point_indices += list(np.asarray(block.x)[:, : first.size])
+    return point_indices
 
 
 def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"]) -> Float[np.ndarray, "n d"]:
@@ -142,7 +142,7 @@ def places_of_zigzag() -> Float[np.ndarray, "n"]:
     return np.concatenate([[0.0], np.linspace(0.2, 0.8, 2 * TEETH + 1), [1.0]])
 
 
-def names_of(model: Model, block: Block) -> list[str]:
+def element_names(model: Model, block: Block) -> list[str]:
     """Names of a block's elements; none for what has no deformations or is a unit norm."""
     if block.e.shape[1] == 0:
         return []
@@ -152,11 +152,11 @@ def names_of(model: Model, block: Block) -> list[str]:
 
 def _companions(model: Model) -> dict[str, set[str]]:
     """Companions of each element, from all of its blocks."""
-    found: dict[str, set[str]] = {}
+    by_element: dict[str, set[str]] = {}
     for block in model.topology.blocks:
-        for name in names_of(model, block):
-            found.setdefault(name, set()).update(block.companions)
-    return found
+        for name in element_names(model, block):
+            by_element.setdefault(name, set()).update(block.companions)
+    return by_element
 
 
 def _kind(block: Block, companions: set[str], fixed: bool) -> str:
@@ -178,8 +178,8 @@ def _meeting(
     """The common point of the bodies that an element joins, else a point of the first body; (0, d) if there is none."""
     index, starts = np.asarray(block.x)[row], [0, *block.splits]
     points = [paired.get(model.labels.x[index[k]].of, []) for k in starts]
-    points = [own for own in points if own]
+    points = [names for names in points if names]
     if not points:
         return np.zeros((0, 0))
-    common = [name for name in points[0] if all(name in own for own in points)]
+    common = [name for name in points[0] if all(name in names for names in points)]
     return x[nodes_of(model)[(common or points[0])[0]]][None]

@@ -8,7 +8,7 @@ import numpy as np
 from ..display import unit_of
 from ..motion.motion import Motion
 from ..questions.energies import ENERGIES
-from .canvas import label_axis, largest_of, plain_axes, prefixed
+from .canvas import label_axis, largest_finite, plain_axes, prefixed
 from .path import index_of, with_unit
 
 
@@ -50,53 +50,53 @@ def history(
     if x is not None or y is not None:
         _draw_over(ax, found, x or "time", [y or most])
     else:
-        wanted = [most] if of is None else [of] if isinstance(of, str) else list(of)
+        names = [most] if of is None else [of] if isinstance(of, str) else list(of)
         coordinates = {str(entry) for entry in found.labels.x}
-        energies = [name for name in wanted if name in ENERGIES]
-        if energies and len(energies) < len(wanted):
+        energies = [name for name in names if name in ENERGIES]
+        if energies and len(energies) < len(names):
             raise ValueError("Energies and coordinates have different units: draw two pictures.")
-        if velocity or energies or coordinates.issuperset(wanted):
-            _draw_over_time(ax, found, wanted, velocity)
+        if velocity or energies or coordinates.issuperset(names):
+            _draw_over_time(ax, found, names, velocity)
         else:
-            _draw_over(ax, found, "time", wanted)
+            _draw_over(ax, found, "time", names)
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     return ax
 
 
-def _draw_over(ax: Any, found: Motion, over: str, wanted: Sequence[str]) -> None:
+def _draw_over(ax: Any, motion: Motion, over: str, names: Sequence[str]) -> None:
     """Quantities of one unit over another, with prefixes of their units."""
-    across, drawn = found.along(over), [found.along(name) for name in wanted]
-    if len({one.unit for one in drawn}) > 1:
-        told = ", ".join(f"'{one.label}' [{one.unit}]" for one in drawn)
-        raise ValueError(f"Quantities have different units; draw two pictures: {told}.")
+    across, drawn = motion.along(over), [motion.along(name) for name in names]
+    if len({quantity.unit for quantity in drawn}) > 1:
+        units_text = ", ".join(f"'{quantity.label}' [{quantity.unit}]" for quantity in drawn)
+        raise ValueError(f"Quantities have different units; draw two pictures: {units_text}.")
     factor, label = prefixed(across) if over != "time" else (1.0, across.axis)
-    joined = drawn[0]._replace(values=np.concatenate([one.values for one in drawn]))
+    joined = drawn[0]._replace(values=np.concatenate([quantity.values for quantity in drawn]))
     size, first = prefixed(joined)
-    for one in drawn:
-        ax.plot(across.values * factor, one.values * size, label=one.label)
+    for quantity in drawn:
+        ax.plot(across.values * factor, quantity.values * size, label=quantity.label)
     ax.set_xlabel(label)
-    kinds = dict.fromkeys(one.of for one in drawn)
+    kinds = dict.fromkeys(quantity.of for quantity in drawn)
     ax.set_ylabel(first if len(drawn) == 1 else f"{' and '.join(kinds)} {first[first.rindex('[') :]}")
 
 
-def _draw_over_time(ax: Any, found: Motion, wanted: Sequence[str], velocity: bool) -> None:
+def _draw_over_time(ax: Any, motion: Motion, names: Sequence[str], velocity: bool) -> None:
     """Energies, coordinates or their velocities over time."""
-    t = np.asarray(found.t)
-    if wanted[0] in ENERGIES:
-        seen = found.observe()
-        for name in wanted:
+    t = np.asarray(motion.t)
+    if names[0] in ENERGIES:
+        seen = motion.observe()
+        for name in names:
             ax.plot(t, np.asarray(getattr(seen, name)), label=name)
         ax.set_ylabel("energy [J]")
     else:
-        columns = np.asarray(found.xd if velocity else found.x)
-        indices = [index_of(found.labels, name) for name in wanted]
-        units = {unit_of(found.labels.x[index]) for index in indices}
+        columns = np.asarray(motion.xd if velocity else motion.x)
+        indices = [index_of(motion.labels, name) for name in names]
+        units = {unit_of(motion.labels.x[index]) for index in indices}
         # One unit stands beside the axis, where its prefix is; several in the legend.
         for index in indices:
-            label = str(found.labels.x[index]) if len(units) == 1 and not velocity else with_unit(found.labels, index)
+            label = str(motion.labels.x[index]) if len(units) == 1 and not velocity else with_unit(motion.labels, index)
             ax.plot(t, columns[:, index], label=f"d/dt {label[:-1]}/s]" if velocity else label)
         ax.set_ylabel("velocity" if velocity else "coordinate")
         if len(units) == 1 and not velocity:
-            label_axis(ax.yaxis, "coordinate", min(units), largest_of(columns[:, indices]))
+            label_axis(ax.yaxis, "coordinate", min(units), largest_finite(columns[:, indices]))
     ax.set_xlabel("time [s]")

@@ -43,34 +43,38 @@ def supports(model: Model) -> dict[str, list[str]]:
     "prescribed".
     """
     roles = model.roles()[0]
-    held: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
+    position_roles: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
     turns = {name: {roles[i] for i in index} for name, index in nodes_of(model, "rotation").items()}
     paired = places_of_rotations(model)
-    clamped = {point for name, own in turns.items() if own == {Role.FIXED} for point in paired.get(name, [])[:1]}
-    fixed = {name for name, own in held.items() if Role.FIXED in own} | clamped
-    moved = {name for name, own in held.items() if Role.PRESCRIBED in own}
-    moved |= {point for name, own in turns.items() if Role.PRESCRIBED in own for point in paired.get(name, [])[:1]}
+    clamped = {
+        point for name, entries in turns.items() if entries == {Role.FIXED} for point in paired.get(name, [])[:1]
+    }
+    fixed = {name for name, entries in position_roles.items() if Role.FIXED in entries} | clamped
+    moved = {name for name, entries in position_roles.items() if Role.PRESCRIBED in entries}
+    moved |= {
+        point for name, entries in turns.items() if Role.PRESCRIBED in entries for point in paired.get(name, [])[:1]
+    }
     chosen = zip(SUPPORTS, (fixed & clamped, fixed - clamped, moved), strict=True)
-    return {kind: [name for name in held if name in own] for kind, own in chosen}
+    return {kind: [name for name in position_roles if name in entries] for kind, entries in chosen}
 
 
 def dofs(model: Model) -> list[Mark]:
     """Degrees of freedom that are coordinates of nodes, with a unit vector for each position."""
-    places, found = _Places(model), []
+    places, dof_marks = _Places(model), []
     for index in np.asarray(model.topology.x.dof).tolist():
         entry = model.labels.x[index]
         node = places.of(entry.of)
         if node is None or entry.kind == "internal":
             continue
         vector = np.eye(model.labels.dimension)[entry.component - 1] if entry.kind == "position" else None
-        found.append(Mark("dof", str(entry), node, vector, str(entry)))
-    return found
+        dof_marks.append(Mark("dof", str(entry), node, vector, str(entry)))
+    return dof_marks
 
 
 def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
     """Nodal forces and moments of all loads except gravity, incremental ones included."""
     forces, places = _forces(model, x), _Places(model)
-    found = [
+    load_marks = [
         Mark("force", name, name, forces[i], sized(float(np.linalg.norm(forces[i])), "N"))
         for name, i in nodes_of(model).items()
         if np.any(forces[i])
@@ -81,10 +85,10 @@ def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
             continue
         size = sized(float(np.linalg.norm(moment)), "N m")
         if len(moment) == 1:
-            found.append(Mark("moment", name, node, None, f"{'↺' if moment[0] > 0 else '↻'} {size}"))
+            load_marks.append(Mark("moment", name, node, None, f"{'↺' if moment[0] > 0 else '↻'} {size}"))
         else:
-            found.append(Mark("moment", name, node, moment, size))
-    return found
+            load_marks.append(Mark("moment", name, node, moment, size))
+    return load_marks
 
 
 def sized(size: float, unit: str) -> str:
@@ -106,18 +110,20 @@ class _Places:
 def _forces(model: Model, x: np.ndarray) -> np.ndarray:
     """Nodal forces of all loads except gravity, (n_x,)."""
     p = model.parameters
-    light = [None if own is None else dataclasses.replace(own, gravity=None) for own in (p.loads, p.increment)]
+    light = [
+        None if load_set is None else dataclasses.replace(load_set, gravity=None) for load_set in (p.loads, p.increment)
+    ]
     parameters = dataclasses.replace(p, loads=light[0], increment=light[1])
     return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jax.device_put(x)))
 
 
 def _moments(model: Model, x: np.ndarray, forces: np.ndarray) -> dict[str, np.ndarray]:
     """Moments by name of the rotation: (1,) in the plane, (3,) about global axes in space [N m]."""
-    found = {}
+    moments = {}
     for name, index in nodes_of(model, "rotation").items():
-        own = forces[index]
+        dual = forces[index]
         # The dual of Euler parameters is 2 Lbar^T M and Lbar Lbar^T = I.
-        moment = own if len(index) == 1 else np.einsum("ijk,k,j->i", LBAR, x[index], own) / 2
+        moment = dual if len(index) == 1 else np.einsum("ijk,k,j->i", LBAR, x[index], dual) / 2
         if np.linalg.norm(moment) > 0:
-            found[name] = moment
-    return found
+            moments[name] = moment
+    return moments

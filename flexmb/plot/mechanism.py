@@ -7,8 +7,22 @@ import numpy as np
 from ..model.model import Model
 from ..numerical_limits import NOT_MOVED
 from . import marks as marked
-from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, faces, frame, marks, mechanism_lines, new_axes, spread, write
-from .geometry import extent_of, lines, masses, nodes_of, scaled_lines
+from .canvas import (
+    ARROW,
+    BLACK,
+    BLUE,
+    GREEN,
+    RED,
+    arrow,
+    faces,
+    frame_points,
+    marks,
+    mechanism_lines,
+    new_axes,
+    spread_texts,
+    write_text,
+)
+from .geometry import lines, masses, nodes_of, point_extent, scaled_lines
 from .sections import strips
 from .state import displaced, state_of
 
@@ -76,17 +90,19 @@ def mechanism(
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)
     if supports:
         draw_supports(ax, model, points)
-    size = ARROW * extent_of(seen)
+    size = ARROW * point_extent(seen)
     ends = _dofs(ax, model, points, size) if dofs else []
     ends += _loads(ax, model, x, points, size) if loads else []
     if names:
         for name, point in points.items():
-            write(ax, point, f" {name}", va="bottom")
+            write_text(ax, point, f" {name}", va="bottom")
         for line in drawn:
-            write(ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center")
-    edges = [own.reshape(-1, own.shape[-1]) for own in quads]
-    frame(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
-    spread(ax)
+            write_text(
+                ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center"
+            )
+    edges = [quad.reshape(-1, quad.shape[-1]) for quad in quads]
+    frame_points(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
+    spread_texts(ax)
     return ax
 
 
@@ -105,25 +121,27 @@ def _dofs(ax: Any, model: Model, points: dict[str, np.ndarray], size: float) -> 
         if dof.vector is not None:
             vector = size * dof.vector
             arrow(ax, start, vector, f"dof {dof.name}", GREEN)
-        write(ax, start + 1.1 * vector, dof.text, color=GREEN, va="top")
+        write_text(ax, start + 1.1 * vector, dof.text, color=GREEN, va="top")
         ends.append(start + vector)
     return ends
 
 
 def _loads(ax: Any, model: Model, x: np.ndarray, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
     """Arrows of nodal forces, scaled to the largest, and of moments along their axes; texts of moments in the plane."""
-    found = marked.loads(model, x)
-    largest = max((np.linalg.norm(m.vector) for m in found if m.kind == "force" and m.vector is not None), default=1.0)
+    load_marks = marked.loads(model, x)
+    largest = max(
+        (np.linalg.norm(m.vector) for m in load_marks if m.kind == "force" and m.vector is not None), default=1.0
+    )
     ends = []
-    for load in found:
+    for load in load_marks:
         start = points[load.node]
         if load.vector is None:
-            write(ax, start, load.text, color=RED, ha="left", va="bottom")
+            write_text(ax, start, load.text, color=RED, ha="left", va="bottom")
             continue
         moment = load.kind == "moment"
         along = size * load.vector / (np.linalg.norm(load.vector) if moment else largest)
         for length in (1.0, 0.8) if moment else (1.0,):
             arrow(ax, start, length * along, f"{load.kind} {load.name}", RED)
-        write(ax, start + 1.1 * along, load.text, color=RED, ha="center")
+        write_text(ax, start + 1.1 * along, load.text, color=RED, ha="center")
         ends.append(start + along)
     return ends

@@ -10,8 +10,8 @@ from ..linear.buckling import Buckling
 from ..linear.modes import Modes
 from ..model.model import Model
 from ..numerical_limits import SMALLEST_SHAPE
-from .canvas import BLUE, faces, frame, grid, mechanism_lines
-from .geometry import extent_of, lines, nodes_of, scaled_lines
+from .canvas import BLUE, faces, figure_grid, frame_points, mechanism_lines
+from .geometry import lines, nodes_of, point_extent, scaled_lines
 from .mechanism import draw_supports
 from .sections import across_of, shapes_of, strips
 from .state import displaced
@@ -43,15 +43,15 @@ def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, 
     states = found.states() if isinstance(found, Result) else None
     if states is None or states.moves is None:
         raise TypeError(f"A picture of modes needs fm.modes(model) or fm.buckling(model), not {kind_of(found)}.")
-    chosen = chosen_modes(states, [which] if isinstance(which, int) else which, AT_MOST, "draw")
-    figure, axes = grid(len(chosen), states.model.labels.dimension)
+    chosen = drawn_modes(states, [which] if isinstance(which, int) else which, AT_MOST, "draw")
+    figure, axes = figure_grid(len(chosen), states.model.labels.dimension)
     for ax, mode in zip(axes, chosen, strict=True):
         _draw(ax, states.model, np.asarray(states.x), np.asarray(states.moves[:, mode]), amplitude)
         ax.set_title(states.titles[mode])
     return figure
 
 
-def chosen_modes(found: States, which: Sequence[int] | None, most: int, verb: str) -> list[int]:
+def drawn_modes(found: States, which: Sequence[int] | None, most: int, verb: str) -> list[int]:
     """Numbers of the modes that are wanted. Raises ValueError: There is no such mode, or none at all."""
     count = len(found.titles)
     chosen = list(range(min(count, most))) if which is None else list(which)
@@ -74,7 +74,7 @@ def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: fl
     if model.labels.dimension == 3:
         faces(ax, list(strips(model, moved, drawn).values()), "section", facecolor=BLUE)
     draw_supports(ax, model, {name: moved[indices] for name, indices in nodes_of(model).items()})
-    frame(ax, np.concatenate([line.points for line in (*still, *drawn)]))
+    frame_points(ax, np.concatenate([line.points for line in (*still, *drawn)]))
 
 
 def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float = AMPLITUDE) -> float:
@@ -88,10 +88,10 @@ def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float =
     points = np.concatenate([line.points for line in before])
     moved = np.concatenate([line.points for line in after]) - points
     shapes = shapes_of(model)
-    sides = [across_of(model, at, own, shapes) for at, own in zip(states, (before, after), strict=True)]
-    turned = [np.linalg.norm(sides[1][name] - own, axis=1) for name, own in sides[0].items()]
+    sides = [across_of(model, at, state_lines, shapes) for at, state_lines in zip(states, (before, after), strict=True)]
+    turned = [np.linalg.norm(sides[1][name] - start, axis=1) for name, start in sides[0].items()]
     rate = size / STEP
-    extent = extent_of(points)
+    extent = point_extent(points)
     largest = rate * np.max(np.linalg.norm(moved, axis=1)) / extent
     twist = rate * AMPLITUDE / LARGEST_TURN * np.max(turned, initial=0.0)
     # A mode that only turns points is drawn with a tenth of a radian.

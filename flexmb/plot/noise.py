@@ -33,19 +33,19 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
     total = np.asarray(found.cumulative(output))
     hertz = np.asarray(found.hertz)
     # Zero has no place on a logarithmic axis.
-    shown = hertz > 0
+    positive = hertz > 0
     figure, (upper, lower) = plt.subplots(2, 1, sharex=True, figsize=(6.4, 5.6), layout="constrained")
     several = len(found.sources) > 1
     for source in found.sources:
         density = np.sqrt(np.asarray(found.spectrum(output, source)))
-        upper.loglog(hertz[shown], density[shown], label=source, lw=1)
+        upper.loglog(hertz[positive], density[positive], label=source, lw=1)
         if several:
-            lower.semilogx(hertz[shown], np.asarray(found.cumulative(output, source))[shown], lw=1)
+            lower.semilogx(hertz[positive], np.asarray(found.cumulative(output, source))[positive], lw=1)
     if several:
         upper.loglog(
-            hertz[shown], np.sqrt(np.asarray(found.spectrum(output)))[shown], "k", lw=1.5, label="all", zorder=0
+            hertz[positive], np.sqrt(np.asarray(found.spectrum(output)))[positive], "k", lw=1.5, label="all", zorder=0
         )
-    lower.semilogx(hertz[shown], total[shown], "k", lw=1.5)
+    lower.semilogx(hertz[positive], total[positive], "k", lw=1.5)
     name = found.outputs[0] if output is None else output
     upper.set_title(f"{name}: rms {float(found.rms(output)):.4g}", fontsize=10)
     upper.set_ylabel("density [unit/√Hz]")

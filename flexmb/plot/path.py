@@ -9,7 +9,7 @@ from ..model.model import Labels
 from ..numerical_limits import BETWEEN_ENDS
 from ..paths.path import Path
 from ..paths.sparse_path import SparsePath
-from .canvas import BLACK, BLUE, GREY, RED, label_axis, largest_of, plain_axes, prefixed
+from .canvas import BLACK, BLUE, GREY, RED, label_axis, largest_finite, plain_axes, prefixed
 
 MARKERS = {"limit": "o", "bifurcation": "s"}
 # Curves over a coordinate get their slope at the start, which shows how nonlinear the mechanism is.
@@ -57,24 +57,24 @@ def path(
     if plain:
         units = [(1.0, with_unit(found.labels, index)), (1.0, drawn[1].axis)]
     else:
-        units = [prefixed(one) for one in drawn]
-    a, b = (one.values * factor for one, (factor, _) in zip(drawn, units, strict=True))
-    ca, cb = (own * factor for own, (factor, _) in zip(critical, units, strict=True))
+        units = [prefixed(quantity) for quantity in drawn]
+    a, b = (quantity.values * factor for quantity, (factor, _) in zip(drawn, units, strict=True))
+    ca, cb = (entries * factor for entries, (factor, _) in zip(critical, units, strict=True))
     if not plain and drawn[0].of == "coordinate" and drawn[1].of in FORCES:
         _draw_slope(ax, a, b)
-    at, height, kept = _with_critical((a, b), (ca, cb), np.asarray(found.stable), found)
-    for label, wanted, style in (("stable", True, "-"), ("unstable", False, "--")):
-        pieces = _runs(at, height, kept == wanted)
-        if len(pieces):
-            ax.plot(*pieces.T, style, color=BLUE if wanted else RED, label=label)
+    at, height, segment_stable = _with_critical((a, b), (ca, cb), np.asarray(found.stable), found)
+    for label, is_stable, style in (("stable", True, "-"), ("unstable", False, "--")):
+        segments = _runs(at, height, segment_stable == is_stable)
+        if len(segments):
+            ax.plot(*segments.T, style, color=BLUE if is_stable else RED, label=label)
     for kind, marker in MARKERS.items():
-        own = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
-        if own:
-            ax.plot(ca[own], cb[own], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
+        entries = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
+        if entries:
+            ax.plot(ca[entries], cb[entries], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
     ax.set_xlabel(units[0][1])
     ax.set_ylabel(units[1][1])
     if plain:
-        label_axis(ax.xaxis, str(found.labels.x[index]), drawn[0].unit, largest_of(a))
+        label_axis(ax.xaxis, str(found.labels.x[index]), drawn[0].unit, largest_finite(a))
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     return ax
@@ -99,8 +99,8 @@ def index_of(labels: Labels, name: str) -> int:
     for i, entry in enumerate(labels.x):
         if str(entry) == name:
             return i
-    own = [str(entry) for entry in labels.x if entry.of == name.rpartition(".")[0] or entry.of == name]
-    hint = f"; there is {', '.join(own)}" if own else "; write node and component, such as tip.y"
+    candidates = [str(entry) for entry in labels.x if entry.of == name.rpartition(".")[0] or entry.of == name]
+    hint = f"; there is {', '.join(candidates)}" if candidates else "; write node and component, such as tip.y"
     raise KeyError(f"no coordinate '{name}' in this model{hint}")
 
 
@@ -113,24 +113,24 @@ def _with_critical(
     steps: tuple[np.ndarray, np.ndarray],
     critical: tuple[np.ndarray, np.ndarray],
     stable: np.ndarray,
-    found: Path | SparsePath,
+    path_result: Path | SparsePath,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
     A piece is drawn as unstable if one of its ends is, and no critical point lies between.
     """
-    (at, height), x = steps, np.asarray(found.x)
-    left = list(zip(found.critical_points, *critical, strict=True))
-    points, kept = [(at[0], height[0])], []
+    (at, height), x = steps, np.asarray(path_result.x)
+    remaining = list(zip(path_result.critical_points, *critical, strict=True))
+    points, segment_stable = [(at[0], height[0])], []
     for i in range(1, len(at)):
         between = []
-        while left and _between(left[0][0].x, x[i - 1 : i + 1]):
-            between.append(left.pop(0))
+        while remaining and _between(remaining[0][0].x, x[i - 1 : i + 1]):
+            between.append(remaining.pop(0))
         points += [(a, b) for _, a, b in between]
         points.append((at[i], height[i]))
-        kept += [stable[i - 1] if between else stable[i - 1] and stable[i]]
-        kept += [False] * max(len(between) - 1, 0) + ([stable[i]] if between else [])
-    return np.array([p[0] for p in points]), np.array([p[1] for p in points]), np.array(kept, bool)
+        segment_stable += [stable[i - 1] if between else stable[i - 1] and stable[i]]
+        segment_stable += [False] * max(len(between) - 1, 0) + ([stable[i]] if between else [])
+    return np.array([p[0] for p in points]), np.array([p[1] for p in points]), np.array(segment_stable, bool)
 
 
 def _between(x: np.ndarray, ends: np.ndarray) -> bool:

@@ -11,11 +11,11 @@ from ..compilation.compile import jit
 from ..elements.curves import CurvedLine, frames_of_ends
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Rigidity, Section, Tube
 from ..math.rotation import initial_frame
-from ..mechanics.centreline import parts_of, turns_of
+from ..mechanics.centreline import coordinates_of_kind, turns_of
 from ..model.model import Model
 from ..model.topology import Block
 from ..numerical_limits import OPPOSITE_TANGENTS
-from .geometry import Line, names_of
+from .geometry import Line, element_names
 
 
 class Shape(NamedTuple):
@@ -34,16 +34,16 @@ class Shape(NamedTuple):
 
 def shapes_of(model: Model) -> dict[str, Shape]:
     """Outlines of the elements whose section has one. Returns, by name of the element."""
-    found: dict[str, Shape] = {}
+    shapes: dict[str, Shape] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        names = names_of(model, block)
+        names = element_names(model, block)
         section = properties.get("section")
         if not names or section is None:
             continue
         stacks = section if isinstance(section, tuple) else (section,)
         outlines = [outline for stack in stacks for outline in _outlines(stack)]
-        found.update({name: own for name, own in zip(names, outlines, strict=True) if own is not None})
-    return found
+        shapes.update({name: shape for name, shape in zip(names, outlines, strict=True) if shape is not None})
+    return shapes
 
 
 def _outlines(stack: Section) -> list[Shape | None]:
@@ -69,32 +69,34 @@ def across_of(
     if model.labels.dimension == 2:
         return {}
     points = {line.element: line.points for line in drawn}
-    found: dict[str, np.ndarray] = {}
+    directions: dict[str, np.ndarray] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         kinds = list(block.element.nodes.values())
         parts = [kind.part for kind in kinds]
-        names = names_of(model, block)
-        wanted = [i for i, name in enumerate(names) if name in shapes and not shapes[name].round]
+        names = element_names(model, block)
+        rectangular = [i for i, name in enumerate(names) if name in shapes and not shapes[name].round]
         ends_only = parts.count("position") == parts.count("rotation") == 2
-        if not wanted or not ends_only or "deformation" not in block.companions:
+        if not rectangular or not ends_only or "deformation" not in block.companions:
             continue
-        axes, sides = _ends(block, properties, x, np.asarray(model.parameters.reference), wanted)
-        along = np.stack([points[names[i]] for i in wanted])
-        found.update(zip((names[i] for i in wanted), _carried(along, axes, sides), strict=True))
-    return found
+        axes, sides = _ends(block, properties, x, np.asarray(model.parameters.reference), rectangular)
+        along = np.stack([points[names[i]] for i in rectangular])
+        directions.update(zip((names[i] for i in rectangular), _carried(along, axes, sides), strict=True))
+    return directions
 
 
-def _ends(block: Block, properties: dict[str, Any], x: np.ndarray, reference: np.ndarray, wanted: list[int]):
+def _ends(block: Block, properties: dict[str, Any], x: np.ndarray, reference: np.ndarray, rows: list[int]):
     """Local x and y axes at both ends of some elements, each (ends, elements, 3)."""
-    index = np.asarray(block.x)[wanted]
+    index = np.asarray(block.x)[rows]
     kinds = list(block.element.nodes.values())
-    p, q = parts_of(kinds, block.splits, reference[index], "position")
+    p, q = coordinates_of_kind(kinds, block.splits, reference[index], "position")
     y = properties.get("y")
     curve = properties.get("curvature") if isinstance(properties.get("curvature"), CurvedLine) else None
-    y, curve = jax.tree.map(lambda numbers: np.asarray(numbers)[wanted], (y, curve))
+    y, curve = jax.tree.map(lambda numbers: np.asarray(numbers)[rows], (y, curve))
     frames = np.asarray(_frames(p, q, y, curve))
-    now, before = (parts_of(kinds, block.splits, values[index], "rotation") for values in (x, reference))
-    turned = np.stack([turns_of(*pair) @ own for *pair, own in zip(now, before, frames, strict=True)])
+    rotations, before = (
+        coordinates_of_kind(kinds, block.splits, values[index], "rotation") for values in (x, reference)
+    )
+    turned = np.stack([turns_of(*pair) @ frame for *pair, frame in zip(rotations, before, frames, strict=True)])
     return turned[..., 0], turned[..., 1]
 
 
@@ -177,7 +179,7 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np
     """
     shapes = shapes_of(model)
     across = across_of(model, x, drawn, shapes)
-    found: dict[str, np.ndarray] = {}
+    quads: dict[str, np.ndarray] = {}
     for line in drawn:
         shape = shapes.get(line.element)
         if shape is None or (model.labels.dimension == 3 and line.element not in across):
@@ -189,5 +191,5 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np
             tangents = _unit(np.gradient(line.points, axis=0))[::STRIDE]
             side = shape.thickness / 2 * np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
         left, right = points + side, points - side
-        found[line.element] = np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)
-    return found
+        quads[line.element] = np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)
+    return quads

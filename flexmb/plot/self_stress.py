@@ -6,7 +6,7 @@ import numpy as np
 
 from ..checks.mobility import Mobility
 from ..display import kind_of
-from .canvas import faces, frame, mechanism_lines, new_axes, polylines, spread, write
+from .canvas import faces, frame_points, mechanism_lines, new_axes, polylines, spread_texts, write_text
 from .geometry import lines, nodes_of
 from .mechanism import draw_supports
 from .sections import strips
@@ -52,18 +52,20 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     style: dict[str, Any] = {"cmap": "plasma_r", "clim": (0.0, 1.0), "linewidth": 4.0, "zorder": 3}
     coloured = polylines(ax, [line.points for line in taking], "self-stress", values, **style)
     if model.labels.dimension == 3:
-        widths = {name: own for name, own in strips(model, x, drawn).items() if name in part}
-        shades = np.concatenate([np.full(len(own), part[name]) for name, own in widths.items()] or [np.zeros(0)])
+        widths = {name: entries for name, entries in strips(model, x, drawn).items() if name in part}
+        shades = np.concatenate(
+            [np.full(len(entries), part[name]) for name, entries in widths.items()] or [np.zeros(0)]
+        )
         faces(ax, list(widths.values()), "section", array=shades, cmap=style["cmap"], clim=style["clim"])
     ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
     most = LABELS[len(taking) > FEW]
     for line in taking:
-        own = text[line.element]
-        more = ", …" if len(own) > most else ""
+        entries = text[line.element]
+        more = ", …" if len(entries) > most else ""
         middle = line.points[len(line.points) // 2]
-        write(ax, middle, f" {line.element}: {', '.join(own[:most])}{more}", ha="left")
+        write_text(ax, middle, f" {line.element}: {', '.join(entries[:most])}{more}", ha="left")
     draw_supports(ax, model, {name: x[index] for name, index in nodes_of(model).items()})
     ax.set_title(states.titles[state])
-    frame(ax, np.concatenate([line.points for line in drawn]))
-    spread(ax)
+    frame_points(ax, np.concatenate([line.points for line in drawn]))
+    spread_texts(ax)
     return ax

@@ -23,23 +23,23 @@ def states_of(shown: Any, at: Any = None) -> States:
     """
     if not is_concrete((shown, at)):
         raise TypeError("A picture needs concrete numbers: draw it outside jax.jit and jax.grad.")
-    found = shown.states() if isinstance(shown, Result) else None
-    if found is None:
+    states = shown.states() if isinstance(shown, Result) else None
+    if states is None:
         raise TypeError(
             "A picture needs a Model (with at= for a configuration), an Equilibrium with its model, a Linearization, a"
             f" Path or a Motion, not {kind_of(shown)}."
         )
-    if at is not None and found.model is not shown:
+    if at is not None and states.model is not shown:
         raise ValueError(f"Argument `at` needs a Model; {kind_of(shown)} has its own state.")
     if at is not None and not hasattr(at, "x"):
         raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is {kind_of(at)}.")
-    x = np.asarray(found.x if at is None else at.x, float)
-    if x.shape[-1] != found.model.topology.n_x:
+    x = np.asarray(states.x if at is None else at.x, float)
+    if x.shape[-1] != states.model.topology.n_x:
         raise ValueError(
-            f"Argument `at` must be a state of this model, which has {found.model.topology.n_x} coordinates, but its x"
+            f"Argument `at` must be a state of this model, which has {states.model.topology.n_x} coordinates, but its x"
             f" has shape {x.shape}."
         )
-    return found._replace(x=x)
+    return states._replace(x=x)
 
 
 def state_of(
@@ -51,25 +51,25 @@ def state_of(
         TypeError: As for :func:`states_of`.
         ValueError: ``at`` is no state of the model, step or time is out of range or has no meaning here.
     """
-    found = states_of(shown, at)
+    states = states_of(shown, at)
     if time is not None:
-        if found.kind != "motion" or step is not None:
+        if states.kind != "motion" or step is not None:
             raise ValueError("Argument `time` needs a Motion, and no `step`.")
-        times = np.asarray(found.along)
+        times = np.asarray(states.along)
         if not times[0] <= time <= times[-1]:
             raise ValueError(f"Argument `time` must be from {times[0]:g} to {times[-1]:g} s, but is {time:g}.")
         step = int(np.argmin(np.abs(times - time)))
-    if found.x.ndim == 1:
+    if states.x.ndim == 1:
         if step is not None:
             raise ValueError(f"Argument `step` needs a Path or a Motion; this {type(shown).__name__} is one state.")
-        return found.model, found.x
+        return states.model, states.x
     step = -1 if step is None else step
-    if not -len(found.x) <= step < len(found.x):
-        raise ValueError(f"Argument `step` must be below {len(found.x)}, the number of states, but is {step}.")
-    return found.model, found.x[step]
+    if not -len(states.x) <= step < len(states.x):
+        raise ValueError(f"Argument `step` must be below {len(states.x)}, the number of states, but is {step}.")
+    return states.model, states.x[step]
 
 
-def checked(scale: float) -> float:
+def checked_factor(scale: float) -> float:
     """A factor of displacements. Raises ValueError: It is not finite."""
     if not np.isfinite(scale):
         raise ValueError(f"Argument `scale` must be a finite number, but is {scale}.")
@@ -84,7 +84,7 @@ def displaced(
     Args:
         base: Coordinates that displacements are counted from, (n_x,); by default those of the undeformed mechanism.
     """
-    if checked(scale) == 1:
+    if checked_factor(scale) == 1:
         return x
     base = np.asarray(model.parameters.reference) if base is None else base
     moved = base + scale * (x - base)

@@ -8,10 +8,10 @@ from ..display import kind_of
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
 from ..numerical_limits import NOT_MOVED, SAME_PLACE_ON_LINE
-from .canvas import BLACK, faces, frame, marks, mechanism_lines, new_axes, polylines, spread, write
-from .geometry import PLACES, Line, extent_of, lines, nodes_of, scaled_lines
+from .canvas import BLACK, faces, frame_points, marks, mechanism_lines, new_axes, polylines, spread_texts, write_text
+from .geometry import PLACES, Line, lines, nodes_of, point_extent, scaled_lines
 from .sections import STRIDE, strips
-from .state import checked, displaced, state_of
+from .state import checked_factor, displaced, state_of
 
 SURFACE = {
     "von Mises": "von Mises stress [MPa]",
@@ -57,7 +57,7 @@ def stress(
     values, label = values_of(found, quantity)
     model, x = state_of(shown, step=step)
     reference = np.asarray(model.parameters.reference)
-    drawn, still = scaled_lines(model, reference, x, checked(scale)), lines(model, reference)
+    drawn, still = scaled_lines(model, reference, x, checked_factor(scale)), lines(model, reference)
     if missing := set(found.names) - {line.element for line in drawn}:
         raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
@@ -65,12 +65,12 @@ def stress(
         mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}
-    pieces, colours, quads, shades = [], [], [], []
+    segments, colours, quads, shades = [], [], [], []
     widths = strips(model, displaced(model, x, scale), drawn) if model.labels.dimension == 3 else {}
     for line in drawn:
         if line.element in rows:
             along = np.interp(PLACES, np.asarray(found.places), values[rows[line.element]])
-            pieces += list(np.stack([line.points[:-1], line.points[1:]], axis=1))
+            segments += list(np.stack([line.points[:-1], line.points[1:]], axis=1))
             colours.append((along[:-1] + along[1:]) / 2)
             if line.element in widths:
                 quads.append(widths[line.element])
@@ -78,23 +78,23 @@ def stress(
                 shades.append((ends[:-1] + ends[1:]) / 2)
     colours_name, low, high = colours_of(values, label)
     style: dict[str, Any] = {"cmap": colours_name, "clim": (low, high)}
-    coloured = polylines(ax, pieces, label, np.concatenate(colours), linewidth=3.0, zorder=3, **style)
+    coloured = polylines(ax, segments, label, np.concatenate(colours), linewidth=3.0, zorder=3, **style)
     if quads:
         faces(ax, quads, "section", alpha=0.6, array=np.concatenate(shades), **style)
     ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
-    edges = [own.reshape(-1, 3) for own in quads]
-    frame(ax, np.concatenate([*(line.points for line in (*drawn, *still)), *edges]))
+    edges = [quad.reshape(-1, 3) for quad in quads]
+    frame_points(ax, np.concatenate([*(line.points for line in (*drawn, *still)), *edges]))
     _mark_largest(ax, model, found, values, label, drawn)
-    spread(ax)
+    spread_texts(ax)
     return ax
 
 
-def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: str, drawn: list[Line]) -> None:
+def _mark_largest(ax: Any, model: Model, result: Any, values: np.ndarray, label: str, drawn: list[Line]) -> None:
     """Ring around the largest value, with its size and place."""
     if not np.any(values):
         return
     row, column = np.unravel_index(np.argmax(np.abs(values)), values.shape)
-    name, place = found.names[row], float(found.places[column])
+    name, place = result.names[row], float(result.places[column])
     points = next(line.points for line in drawn if line.element == name)
     at = np.array([np.interp(place, PLACES, along) for along in points.T])
     marks(ax, at[None], "largest", marker="o", markersize=9, color=BLACK, markerfacecolor="none", zorder=5)
@@ -102,12 +102,12 @@ def _mark_largest(ax: Any, model: Model, found: Any, values: np.ndarray, label: 
     reference = np.asarray(model.parameters.reference)
     line = next(line for line in lines(model, reference) if line.element == name).points
     end = {0.0: line[0], 1.0: line[-1]}.get(place)
-    near = SAME_PLACE_ON_LINE * extent_of(line)
+    tolerance = SAME_PLACE_ON_LINE * point_extent(line)
     nodes = nodes_of(model).items() if end is not None else ()
-    node = next((own for own, index in nodes if np.linalg.norm(reference[index] - end) <= near), None)
+    node = next((node_name for node_name, index in nodes if np.linalg.norm(reference[index] - end) <= tolerance), None)
     unit = label[label.rindex("[") + 1 : -1].strip("-")
-    told = f"{values[row, column]:.4g} {unit}".strip()
-    write(ax, at, f"  {told}, '{name}' at {node or format(place, '.3g')}", va="bottom")
+    value_text = f"{values[row, column]:.4g} {unit}".strip()
+    write_text(ax, at, f"  {value_text}, '{name}' at {node or format(place, '.3g')}", va="bottom")
 
 
 def values_of(found: Any, quantity: str | None, *, of_states: bool = False) -> tuple[np.ndarray, str]:

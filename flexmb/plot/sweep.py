@@ -7,7 +7,7 @@ import numpy as np
 
 from ..design.robust import Robustness
 from ..design.swept import Front, Sweep
-from .canvas import BLUE, GREY, RED, grid, label_axis, largest_of, plain_axes
+from .canvas import BLUE, GREY, RED, figure_grid, label_axis, largest_finite, plain_axes
 
 # More designs are drawn as density: their markers would cover each other.
 MANY = 2000
@@ -55,54 +55,56 @@ def sweep(
     if not isinstance(found, Sweep | Front):
         raise TypeError(f"Argument `found` must be a result of fm.sweep(..), but is a {type(found).__name__}.")
     front = found if isinstance(found, Front) else None
-    whole = front.whole if front else found
-    assert isinstance(whole, Sweep)
+    sweep_result = front.whole if front else found
+    assert isinstance(sweep_result, Sweep)
     if front and answer is None and over is None:
-        names = [*front.criteria, *whole.designs]
+        names = [*front.criteria, *sweep_result.designs]
         x = names[0] if x is None else x
         y = next((name for name in names if name != x), None) if y is None else y
     if x is not None or y is not None:
-        return _against(whole, front, x, y, answer, over, plain_axes(ax))
+        return _against(sweep_result, front, x, y, answer, over, plain_axes(ax))
     if answer is None:
-        names = [name for name, values in whole.answers.items() if values.ndim == 1]
+        names = [name for name, values in sweep_result.answers.items() if values.ndim == 1]
         if not names:
-            raise ValueError(f"No answer is one number; name an entry, such as '{next(iter(whole.answers), 'f')}[0]'.")
-        figure, axes = grid(len(names), 2)
-        for name, own in zip(names, axes, strict=False):
-            sweep(whole, name, over, ax=own)
+            raise ValueError(
+                f"No answer is one number; name an entry, such as '{next(iter(sweep_result.answers), 'f')}[0]'."
+            )
+        figure, axes = figure_grid(len(names), 2)
+        for name, panel in zip(names, axes, strict=False):
+            sweep(sweep_result, name, over, ax=panel)
         return figure
-    if answer in whole.designs:
-        raise KeyError(f"'{answer}' is a dimension; there are the answers {', '.join(whole.answers)}")
-    z = whole.column(answer)
-    shown = _shown(whole, over)
+    if answer in sweep_result.designs:
+        raise KeyError(f"'{answer}' is a dimension; there are the answers {', '.join(sweep_result.answers)}")
+    z = sweep_result.column(answer)
+    dimensions = _dimensions_to_draw(sweep_result, over)
     ax = plain_axes(ax)
     titles = []
-    kept = np.ones(len(z), bool)
-    for name, values in whole.axes.items():
-        if name not in shown:
+    mask = np.ones(len(z), bool)
+    for name, values in sweep_result.axes.items():
+        if name not in dimensions:
             middle = values[len(values) // 2]
-            kept &= np.asarray(whole.designs[name]) == middle
+            mask &= np.asarray(sweep_result.designs[name]) == middle
             titles.append(f"{name} = {middle:.4g}")
-    places = [np.asarray(whole.designs[name])[kept] for name in shown]
-    z = z[kept]
+    places = [np.asarray(sweep_result.designs[name])[mask] for name in dimensions]
+    z = z[mask]
     failed = ~np.isfinite(z)
-    label = _label(whole, answer)
-    if len(shown) == 1:
-        _curve(ax, whole, places[0], z, label)
+    label = _label(sweep_result, answer)
+    if len(dimensions) == 1:
+        _curve(ax, sweep_result, places[0], z, label)
     else:
-        _map(ax, whole, shown, places, z, label)
+        _map(ax, sweep_result, dimensions, places, z, label)
     if front:
-        own = front.rows[kept[front.rows]]
-        at = [whole.column(name)[own] for name in [*shown, answer][:2]]
+        front_rows = front.rows[mask[front.rows]]
+        at = [sweep_result.column(name)[front_rows] for name in [*dimensions, answer][:2]]
         ax.plot(*at, "o", color=RED, fillstyle="none", markersize=5, label="front")
-    _name(ax.yaxis, whole, answer if len(shown) == 1 else shown[1])
-    _name(ax.xaxis, whole, shown[0])
+    _name(ax.yaxis, sweep_result, answer if len(dimensions) == 1 else dimensions[1])
+    _name(ax.xaxis, sweep_result, dimensions[0])
     _title(ax, titles, failed)
     return ax
 
 
 def _against(
-    whole: Sweep,
+    sweep_result: Sweep,
     front: Front | None,
     x: str | None,
     y: str | None,
@@ -115,7 +117,7 @@ def _against(
         raise ValueError("Give both `x` and `y`, the names of the quantities of both axes.")
     if answer is not None or over is not None:
         raise ValueError("Give either `x` and `y`, or `answer` and `over`.")
-    horizontal, vertical = whole.column(x), whole.column(y)
+    horizontal, vertical = sweep_result.column(x), sweep_result.column(y)
     failed = ~(np.isfinite(horizontal) & np.isfinite(vertical))
     _points(ax, horizontal[~failed], vertical[~failed], "designs")
     if front:
@@ -125,8 +127,8 @@ def _against(
         style = {"color": RED, "marker": "o", "markersize": 4, "linewidth": 1.2, "linestyle": line}
         ax.plot(horizontal[rows], vertical[rows], label=f"front, {len(rows)} designs", zorder=3, **style)
         ax.legend(fontsize=8)
-    _name(ax.xaxis, whole, x)
-    _name(ax.yaxis, whole, y)
+    _name(ax.xaxis, sweep_result, x)
+    _name(ax.yaxis, sweep_result, y)
     _title(ax, [], failed)
     return ax
 
@@ -145,10 +147,10 @@ def _points(ax: Any, x: np.ndarray, y: np.ndarray, label: str) -> None:
     ax.figure.colorbar(drawn, ax=ax, label="number of designs")
 
 
-def _curve(ax: Any, found: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> None:
+def _curve(ax: Any, sweep_result: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> None:
     """An answer over one dimension: a line of a grid, points of other designs."""
     failed = ~np.isfinite(z)
-    if found.axes:
+    if sweep_result.axes:
         order = np.argsort(x)
         ax.plot(x[order], z[order], color=BLUE, label=label, marker=".")
     else:
@@ -157,12 +159,14 @@ def _curve(ax: Any, found: Sweep, x: np.ndarray, z: np.ndarray, label: str) -> N
     _failed(ax, x[failed], np.full(failed.sum(), low), len(x))
 
 
-def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z: np.ndarray, label: str) -> None:
+def _map(
+    ax: Any, sweep_result: Sweep, dimensions: list[str], places: list[np.ndarray], z: np.ndarray, label: str
+) -> None:
     """An answer over two dimensions: fields with contours of a grid, points or hexagons of other designs."""
     x, y = places
     failed = ~np.isfinite(z)
-    if found.axes:
-        columns, rows = (np.asarray(found.axes[name]) for name in shown)
+    if sweep_result.axes:
+        columns, rows = (np.asarray(sweep_result.axes[name]) for name in dimensions)
         field = np.full((len(rows), len(columns)), np.nan)
         field[np.searchsorted(rows, y), np.searchsorted(columns, x)] = z
         drawn = ax.pcolormesh(columns, rows, field, shading="nearest", cmap="viridis")
@@ -170,9 +174,15 @@ def _map(ax: Any, found: Sweep, shown: list[str], places: list[np.ndarray], z: n
             lines = ax.contour(columns, rows, field, colors="white", linewidths=0.8)
             ax.clabel(lines, fontsize=7)
     elif len(z) > MANY:
-        own = ~failed
+        finite = ~failed
         drawn = ax.hexbin(
-            x[own], y[own], C=z[own], gridsize=_hexagons(z), mincnt=1, reduce_C_function=np.mean, linewidths=0.2
+            x[finite],
+            y[finite],
+            C=z[finite],
+            gridsize=_hexagons(z),
+            mincnt=1,
+            reduce_C_function=np.mean,
+            linewidths=0.2,
         )
         label = f"{label}, mean"
     else:
@@ -195,29 +205,29 @@ def _hexagons(values: np.ndarray) -> int:
 def _title(ax: Any, titles: list[str], failed: np.ndarray) -> None:
     """Title with held dimensions and the number of failed designs; few ticks, as numbers of small lengths are long."""
     ax.locator_params(axis="x", nbins=6)
-    told = [f"{np.sum(failed)} of {len(failed)} designs failed"] if np.any(failed) else []
-    ax.set_title(", ".join([*titles, *told]), fontsize=9)
+    failures = [f"{np.sum(failed)} of {len(failed)} designs failed"] if np.any(failed) else []
+    ax.set_title(", ".join([*titles, *failures]), fontsize=9)
 
 
-def _shown(found: Sweep, over: Sequence[str] | str | None) -> list[str]:
-    scalars = [name for name, values in found.designs.items() if np.ndim(values) == 1]
+def _dimensions_to_draw(sweep_result: Sweep, over: Sequence[str] | str | None) -> list[str]:
+    scalars = [name for name, values in sweep_result.designs.items() if np.ndim(values) == 1]
     if over is None:
-        shown = [name for name in scalars if np.ptp(np.asarray(found.designs[name])) > 0][:2]
+        dimensions = [name for name in scalars if np.ptp(np.asarray(sweep_result.designs[name])) > 0][:2]
     else:
-        shown = [over] if isinstance(over, str) else list(over)
-    for name in shown:
+        dimensions = [over] if isinstance(over, str) else list(over)
+    for name in dimensions:
         if name not in scalars:
             raise KeyError(f"no dimension '{name}' of one number; there are {', '.join(scalars)}")
-    if len(shown) not in (1, 2):
-        raise ValueError(f"Draw over one dimension or two, not {len(shown)}: name them with `over`.")
-    return shown
+    if len(dimensions) not in (1, 2):
+        raise ValueError(f"Draw over one dimension or two, not {len(dimensions)}: name them with `over`.")
+    return dimensions
 
 
-def _label(found: Sweep, name: str) -> str:
-    unit = found.unit_of(name)
+def _label(sweep_result: Sweep, name: str) -> str:
+    unit = sweep_result.unit_of(name)
     return f"{name} [{unit}]" if unit else name
 
 
-def _name(axis: Any, found: Sweep, name: str) -> None:
+def _name(axis: Any, sweep_result: Sweep, name: str) -> None:
     """Label an axis."""
-    label_axis(axis, name, found.unit_of(name), largest_of(found.column(name)))
+    label_axis(axis, name, sweep_result.unit_of(name), largest_finite(sweep_result.column(name)))

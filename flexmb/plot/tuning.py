@@ -8,7 +8,7 @@ from ..design.tuned import Tuned
 from .canvas import BLACK, BLUE, GREY, entitle
 
 # Most entries of a quantity with colours of their own, and most lines in a column of a legend.
-APART = 6
+MOST_LEGEND_LINES = 6
 
 
 def tuning(found: Tuned) -> Any:
@@ -54,7 +54,7 @@ def tuning(found: Tuned) -> Any:
             _relative(ax, count, name, np.asarray(found.history[name], float))
         if ax is not None:
             ax.set_ylabel(f"{label} over its start [-]")
-            ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (APART + 1))
+            ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (MOST_LEGEND_LINES + 1))
     for ax in axes[:panels]:
         ax.axvline(_returned(found), color="#777777", linewidth=1.0, linestyle=":")
         ax.set_xlabel("evaluation")
@@ -74,20 +74,24 @@ def tuning(found: Tuned) -> Any:
 def _relative(ax: Any, count: np.ndarray, name: str, values: np.ndarray) -> None:
     """Lines of all entries of a quantity over its first value; many entries share a colour."""
     places = list(np.ndindex(values.shape[1:]))
-    color = ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color() if len(places) > APART else None
+    color = (
+        ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color()
+        if len(places) > MOST_LEGEND_LINES
+        else None
+    )
     for place in places:
-        own = values[(slice(None), *place)]
-        first = own[0] if np.isfinite(own[0]) and own[0] != 0 else 1.0
+        entry_values = values[(slice(None), *place)]
+        first = entry_values[0] if np.isfinite(entry_values[0]) and entry_values[0] != 0 else 1.0
         label = name + (f"[{', '.join(map(str, place))}]" if place else "")
-        ax.plot(count, own / first, label=label if color is None else None, color=color)
+        ax.plot(count, entry_values / first, label=label if color is None else None, color=color)
 
 
-def _returned(found: Tuned) -> int:
+def _returned(tuned: Tuned) -> int:
     """Number of the evaluation with the returned dimensions, or the nearest to them."""
-    distance = np.zeros(found.evaluations)
-    for name, value in found.dimensions.items():
-        along = np.asarray(found.history[name], float).reshape(found.evaluations, -1)
-        wanted = np.asarray(value, float).ravel()
-        size = np.maximum(np.abs(wanted), 1e-300)
-        distance += np.sum(((along - wanted) / size) ** 2, axis=1)
+    distance = np.zeros(tuned.evaluations)
+    for name, value in tuned.dimensions.items():
+        along = np.asarray(tuned.history[name], float).reshape(tuned.evaluations, -1)
+        returned = np.asarray(value, float).ravel()
+        size = np.maximum(np.abs(returned), 1e-300)
+        distance += np.sum(((along - returned) / size) ** 2, axis=1)
     return 1 + int(np.argmin(distance))

@@ -42,8 +42,15 @@ def verdict(found: Verdict) -> Any:
     by, prefix = prefix_of(float(np.max(np.abs(found.stroke))))
     drawn: list[tuple[str, Callable[[Any], None]]] = []
     for title, names, as_share in PANELS:
-        if own := _curves(found, names, as_share):
-            drawn.append((title, lambda ax, own=own, as_share=as_share: _lines(ax, found, by, own, as_share)))
+        if panel_curves := _curves(found, names, as_share):
+            drawn.append(
+                (
+                    title,
+                    lambda ax, panel_curves=panel_curves, as_share=as_share: _lines(
+                        ax, found, by, panel_curves, as_share
+                    ),
+                )
+            )
     if any(np.any(np.isfinite(limit.used)) and np.nanmax(limit.used) > 0 for limit in found.limits):
         drawn.insert(1, ("share of each limit", lambda ax: _shares(ax, found, by)))
     elif "stress" in found.curves:
@@ -64,50 +71,52 @@ def verdict(found: Verdict) -> Any:
     return figure
 
 
-def _curves(found: Verdict, names: tuple[str, ...], as_share: bool) -> dict[str, np.ndarray]:
+def _curves(assessment: Verdict, names: tuple[str, ...], as_share: bool) -> dict[str, np.ndarray]:
     """Named curves in which there is something to see."""
-    rest, kept = found.stroke == 0, {}
-    for name, values in found.curves.items():
+    zero_stroke, curves = assessment.stroke == 0, {}
+    for name, values in assessment.curves.items():
         finite = np.where(np.isfinite(values), values, np.nan)
         if not name.startswith(names) or np.sum(np.isfinite(finite)) < 2:
             continue
-        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT_MOTION * np.max(np.abs(found.stroke)):
+        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT_MOTION * np.max(
+            np.abs(assessment.stroke)
+        ):
             continue
         if not as_share:
-            kept[name] = finite
-        elif np.isfinite(finite[rest][0]):
-            kept[name] = finite / finite[rest]
-    return kept
+            curves[name] = finite
+        elif np.isfinite(finite[zero_stroke][0]):
+            curves[name] = finite / finite[zero_stroke]
+    return curves
 
 
-def _lines(ax: Any, found: Verdict, by: float, curves: dict[str, np.ndarray], as_share: bool) -> None:
+def _lines(ax: Any, assessment: Verdict, by: float, curves: dict[str, np.ndarray], as_share: bool) -> None:
     """Curves over the stroke; of the force also its slope at the start."""
     from matplotlib.ticker import EngFormatter, PercentFormatter
 
     for name, values in curves.items():
         label = name.replace("frequency ", "f").split()[-1]
-        ax.plot(found.stroke / by, values, ".-", label=label if label != name else None)
+        ax.plot(assessment.stroke / by, values, ".-", label=label if label != name else None)
     if "force" in curves:
-        rest = np.flatnonzero(found.stroke == 0)[0]
-        slope = curves["force"][rest] + found.curves["drive stiffness"][rest] * found.stroke
+        zero_stroke = np.flatnonzero(assessment.stroke == 0)[0]
+        slope = curves["force"][zero_stroke] + assessment.curves["drive stiffness"][zero_stroke] * assessment.stroke
         seen = ax.get_ylim()
-        ax.plot(found.stroke / by, slope, color=GREY, linewidth=1.0, zorder=1, label="slope at rest")
+        ax.plot(assessment.stroke / by, slope, color=GREY, linewidth=1.0, zorder=1, label="slope at rest")
         ax.set_ylim(seen)
     if as_share:
         ax.yaxis.set_major_formatter(PercentFormatter(1.0))
         ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]))
     else:
-        ax.yaxis.set_major_formatter(EngFormatter(unit=found.units[next(iter(curves))], sep=" "))
+        ax.yaxis.set_major_formatter(EngFormatter(unit=assessment.units[next(iter(curves))], sep=" "))
     if len(ax.lines) > 1 or not {"force", "stress"} & curves.keys():
         ax.legend(fontsize=8)
 
 
-def _shares(ax: Any, found: Verdict, by: float) -> None:
+def _shares(ax: Any, assessment: Verdict, by: float) -> None:
     """Used share of each limit, and the limit as a line."""
-    for limit in found.limits:
+    for limit in assessment.limits:
         used = np.where(np.isfinite(limit.used), limit.used, np.nan)
         if np.any(np.isfinite(used)):
-            ax.plot(found.stroke / by, used, ".-", label=limit.name)
+            ax.plot(assessment.stroke / by, used, ".-", label=limit.name)
     ax.axhline(1.0, color=BLACK, linewidth=1.0)
     ax.set_ylim(0, max(1.1, min(2.0, ax.get_ylim()[1])))
     ax.legend(fontsize=8)

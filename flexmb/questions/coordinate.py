@@ -9,26 +9,26 @@ from ..display import unit_of
 from ..math.derivative import root_or_zero
 from ..model.by_name import TURNS
 from ..model.model import Labels
-from .question import ANGLES, Question, at_rest, model_of, on_host, split
+from .question import ANGLES, Question, as_host_values, at_rest, model_of, node_and_component
 
 
 def _coordinate(state: Any, text: str) -> Any:
     labels = state.labels
     names = [str(entry) for entry in labels.x]
     if text in names:
-        return on_host(state, at_rest(state).x)[..., names.index(text)]
+        return as_host_values(state, at_rest(state).x)[..., names.index(text)]
     node, _, component = text.rpartition(".")
     if labels.coordinates(node) and component.isdecimal():
         # Input files name components by numbers.
         places = labels.coordinates(node)
         if not 1 <= int(component) <= len(places):
             raise KeyError(f"component = {component}, but node '{node}' has coordinates 1 to {len(places)}")
-        return on_host(state, at_rest(state).x)[..., places[int(component) - 1]]
+        return as_host_values(state, at_rest(state).x)[..., places[int(component) - 1]]
     if component in ANGLES and labels.coordinates(node):
         return at_rest(state).rotation(node, component)
-    near = [str(entry) for entry in labels.x if entry.of in (node, text)]
-    if near:
-        raise KeyError(f"no coordinate '{text}' in this model; there is {', '.join(near)}")
+    candidates = [str(entry) for entry in labels.x if entry.of in (node, text)]
+    if candidates:
+        raise KeyError(f"no coordinate '{text}' in this model; there is {', '.join(candidates)}")
     nodes = ", ".join(dict.fromkeys(entry.of for entry in labels.x if entry.kind != "internal"))
     raise KeyError(f"there is no node '{node}'; there are {nodes}")
 
@@ -41,7 +41,7 @@ def _unit(text: str, labels: Labels | None) -> str:
 def _displacement(state: Any, text: str) -> Any:
     if not text:
         return _largest_displacement(state)
-    node, component = split(text)
+    node, component = node_and_component(text)
     names = [str(entry) for entry in state.labels.x]
     if component in TURNS:
         return at_rest(state).rotation(node, component)
@@ -51,7 +51,10 @@ def _displacement(state: Any, text: str) -> Any:
         at_rest(state).position(node, component)
         raise KeyError(f"no coordinate '{text}' in this model")
     at = names.index(entry)
-    return on_host(state, at_rest(state).x)[..., at] - on_host(state, model_of(state).parameters.reference)[at]
+    return (
+        as_host_values(state, at_rest(state).x)[..., at]
+        - as_host_values(state, model_of(state).parameters.reference)[at]
+    )
 
 
 def _largest_displacement(state: Any) -> Any:

@@ -2,16 +2,16 @@
 
 from typing import Any
 
-from .question import Question, at_rest, split
+from .question import Question, at_rest, node_and_component
 
 
-def _deformation(state: Any, rest: str) -> Any:
-    element, number = split(rest)
+def _deformation(state: Any, argument: str) -> Any:
+    element, number = node_and_component(argument)
     return at_rest(state).deformation(element, int(number) if number.isdecimal() else number)
 
 
-def _resultant(state: Any, rest: str) -> Any:
-    element, number = split(rest)
+def _resultant(state: Any, argument: str) -> Any:
+    element, number = node_and_component(argument)
     return at_rest(state).stress_resultant(element, int(number) if number.isdecimal() else number)
 
 

@@ -8,7 +8,7 @@ from .question import Question
 ENERGIES = ("kinetic", "elastic", "potential", "energy")
 
 
-def _energy(name: str, motion: Any, rest: str) -> Any:
+def _energy(name: str, motion: Any, argument: str) -> Any:
     return getattr(motion.observe(), name)
 
 

@@ -11,22 +11,22 @@ from ..linear.sparse_solve import lowest_values
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..mechanics.loads import lacks_potential
 from ..results import RESULTS
-from .question import Question, each_linearization, finite_or_nan, is_many, is_number, numbered
+from .question import Question, each_linearization, finite_or_nan, is_index, is_many, number_along_axis
 
 
-def _frequency(state: Any, rest: str) -> Any:
+def _frequency(state: Any, argument: str) -> Any:
     if not is_many(state):
-        count = int(rest) if is_number(rest) else 1
-        return numbered(frequencies(state, count=count), "frequency", rest)
-    if state.by_sparse and is_number(rest):
+        count = int(argument) if is_index(argument) else 1
+        return number_along_axis(frequencies(state, count=count), "frequency", argument)
+    if state.by_sparse and is_index(argument):
         refuse_unsymmetric(not lacks_potential(state.model.topology))
-        lowest = [lowest_values(lin.elements, int(rest)) for lin in each_linearization(state)]
+        lowest = [lowest_values(lin.elements, int(argument)) for lin in each_linearization(state)]
         values = to_frequency(jnp.stack(lowest))
     elif state.states().kind == "path":
         values = state.frequencies
     else:
         values = frequencies_along(state.linearizations().matrices)
-    return finite_or_nan(numbered(np.asarray(values), "frequency", rest))
+    return finite_or_nan(number_along_axis(np.asarray(values), "frequency", argument))
 
 
 def frequencies_along(m: Matrices) -> np.ndarray:

@@ -30,8 +30,8 @@ def mass(model: Model) -> Float[Array, ""]:
     return _mass(as_model(model, "mass").topology, model.parameters)
 
 
-def _of_state(state: Any, rest: str) -> Any:
+def _mass_of_model(state: Any, argument: str) -> Any:
     return mass(model_of(state))
 
 
-QUESTIONS = (Question("mass", (), _of_state, "kg"),)
+QUESTIONS = (Question("mass", (), _mass_of_model, "kg"),)

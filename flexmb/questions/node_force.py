@@ -1,9 +1,9 @@
 """Forces and moments at a node: "force top.x" that holds it there, "moment top.phi", "reaction foot.x"."""
 
-from .question import Question, by_component, of_component
+from .question import Question, by_component, component_answer
 
 UNIT = by_component("N", "N m")
 METHODS = {"force": "force_needed", "moment": "force_needed", "reaction": "reaction"}
 QUESTIONS = tuple(
-    Question(name, ("node", "axis"), of_component(method), UNIT, of_many=True) for name, method in METHODS.items()
+    Question(name, ("node", "axis"), component_answer(method), UNIT, of_many=True) for name, method in METHODS.items()
 )

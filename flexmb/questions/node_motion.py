@@ -1,12 +1,12 @@
 """Velocities and accelerations of a node in a motion: "velocity top.x", "acceleration top.phi"."""
 
-from .question import Question, by_component, of_component
+from .question import Question, by_component, component_answer
 
 QUESTIONS = tuple(
     Question(
         name,
         ("node", "axis"),
-        of_component(name, f"angular_{name}"),
+        component_answer(name, f"angular_{name}"),
         by_component(f"m/{per}", f"rad/{per}"),
         of_many=True,
         differentiable=False,

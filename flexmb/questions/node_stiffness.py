@@ -11,7 +11,7 @@ from ..linear.about import linearized
 from ..linear.compliance import compliance, compliance_of, compliance_of_large
 from ..linear.linearize import Linearization, Matrices
 from ..model.model import Model
-from .question import Question, axes_of, by_component, each_linearization, is_many, split
+from .question import Question, by_component, components_of, each_linearization, is_many, node_and_component
 
 
 @unguarded
@@ -39,18 +39,21 @@ def stiffness(model: Model | Linearization, node: str, axis: str, *, local: bool
     """
     lin, node = linearized(model, "stiffness"), str(node)
     flexibility = compliance(lin, node, local=local)
-    axes = axes_of(lin.labels, node)
+    axes = components_of(lin.labels, node)
     if axis not in axes:
         raise ValueError(f"Node '{node}' has no axis {axis!r}: it is one of {', '.join(map(repr, axes))}.")
     i = axes.index(axis)
     return 1 / flexibility[i, i]
 
 
-def _stiffness(state: Any, rest: str) -> Any:
-    node, axis = split(rest)
+def _stiffness(state: Any, argument: str) -> Any:
+    node, axis = node_and_component(argument)
     if not is_many(state) and not (isinstance(state, Linearization) and state.large):
         return stiffness(state, node, axis)
-    axes, places = axes_of(state.labels, node), tuple(state.labels.known(part) for part in state.labels.parts(node))
+    axes, places = (
+        components_of(state.labels, node),
+        tuple(state.labels.known(part) for part in state.labels.parts(node)),
+    )
     if axis not in axes:
         raise KeyError(f"node '{node}' has no component '{axis}' here; it has {', '.join(axes)}")
     at = axes.index(axis)

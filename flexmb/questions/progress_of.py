@@ -5,7 +5,7 @@ from typing import Any
 from .question import Question
 
 
-def _along(result: Any, rest: str) -> Any:
+def _along(result: Any, argument: str) -> Any:
     return result.states().along
 
 

@@ -56,14 +56,16 @@ def questions() -> dict[str, Question]:
     folder = importlib.import_module(str(__package__))
     modules = [importlib.import_module(f"{__package__}.{file.name}") for file in pkgutil.iter_modules(folder.__path__)]
     every = [question for module in modules for question in getattr(module, "QUESTIONS", ())]
-    return {question.name: question for question in sorted(every, key=lambda one: (-len(one.name), one.name))}
+    return {
+        question.name: question for question in sorted(every, key=lambda question: (-len(question.name), question.name))
+    }
 
 
-def names_of(kind: str = "state") -> list[str]:
+def question_names(kind: str = "state") -> list[str]:
     """Names of the questions that a "state", a "path" or a "motion" answers; first names of this kind only."""
     named = [question for question in questions().values() if question.name]
-    own, every = (sorted(q.name for q in named if q.only == only) for only in (kind, ""))
-    return [*own, *every]
+    of_kind, every = (sorted(q.name for q in named if q.only == only) for only in (kind, ""))
+    return [*of_kind, *every]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -99,7 +101,7 @@ class Asked:
             if name and (text == name or text.startswith(f"{name} ")) and question.only in ("", kind or question.only):
                 return question, text.removeprefix(name).strip()
         if "." not in text:
-            known = ", ".join(names_of(kind or "state"))
+            known = ", ".join(question_names(kind or "state"))
             raise KeyError(f"no coordinate '{text}'; write node and component, such as tip.y, or ask for {known}")
         return questions()[""], text
 
@@ -109,20 +111,22 @@ class Asked:
         Raises:
             KeyError: The mechanism has no such node, element, component or number.
         """
-        question, rest = self.parsed(state.labels)
-        return question.value(state, rest)
+        question, argument = self.parsed(state.labels)
+        return question.value(state, argument)
 
     def along(self, result: Any) -> Series:
         """The answers of all states of a path or a motion."""
         kind = result.states().kind
-        question, rest = self.parsed(result.labels, kind)
-        values = question.value(result, rest) if question.of_many else _of_each(question, result, rest)
-        label = question.label if question.label and not rest else str(self.text)
-        return Series(np.asarray(values), label, _unit(question, rest, result.labels), question.kind or question.name)
+        question, argument = self.parsed(result.labels, kind)
+        values = question.value(result, argument) if question.of_many else _value_by_state(question, result, argument)
+        label = question.label if question.label and not argument else str(self.text)
+        return Series(
+            np.asarray(values), label, _unit(question, argument, result.labels), question.kind or question.name
+        )
 
 
-def _unit(question: Question, rest: str, labels: Labels | None = None) -> str:
-    return question.unit if isinstance(question.unit, str) else question.unit(rest, labels)
+def _unit(question: Question, argument: str, labels: Labels | None = None) -> str:
+    return question.unit if isinstance(question.unit, str) else question.unit(argument, labels)
 
 
 def asked(text: str) -> Asked:
@@ -132,10 +136,10 @@ def asked(text: str) -> Asked:
         KeyError: There is no such question.
         ValueError: A path or a motion alone answers it.
     """
-    found = Asked(text)
-    if found.question.only:
-        raise ValueError(f"'{text}' is a question for a {found.question.only}, not for one state.")
-    return found
+    parsed = Asked(text)
+    if parsed.question.only:
+        raise ValueError(f"'{text}' is a question for a {parsed.question.only}, not for one state.")
+    return parsed
 
 
 def unit_of_question(text: str) -> str:
@@ -146,8 +150,8 @@ def unit_of_question(text: str) -> str:
         return "-"
 
 
-def _of_each(question: Question, result: Any, rest: str) -> np.ndarray:
-    return np.array([float(question.value(lin, rest)) for lin in each_linearization(result)])
+def _value_by_state(question: Question, result: Any, argument: str) -> np.ndarray:
+    return np.array([float(question.value(lin, argument)) for lin in each_linearization(result)])
 
 
 def each_linearization(result: Any) -> Iterator[Any]:
@@ -170,36 +174,36 @@ def is_many(state: Any) -> bool:
     return isinstance(state, ManyStates)
 
 
-def split(text: str) -> tuple[str, str]:
+def node_and_component(text: str) -> tuple[str, str]:
     """Node and component of "top.x"; element and number likewise.
 
     Raises:
         KeyError: There is no point in it.
     """
-    of, _, component = text.rpartition(".")
-    if not of:
+    name, _, component = text.rpartition(".")
+    if not name:
         raise KeyError(f"'{text}' is no component: write node and component, such as tip.y, element and number: leaf.2")
-    return of, component
+    return name, component
 
 
-def numbered(values: Any, word: str, text: str) -> Any:
+def number_along_axis(values: Any, word: str, text: str) -> Any:
     """One of the numbers along the last axis.
 
     Raises:
         KeyError: There is no such number.
     """
     count = values.shape[-1]
-    if not is_number(text) or int(text) > count:
+    if not is_index(text) or int(text) > count:
         raise KeyError(f"no {word} '{text}': they are numbered 1 to {count}")
     return values[..., int(text) - 1]
 
 
-def is_number(text: str) -> bool:
+def is_index(text: str) -> bool:
     """Whether a text is a whole number from 1."""
     return text.isascii() and text.isdecimal() and int(text) > 0
 
 
-def axes_of(labels: Labels, node: str) -> list[str]:
+def components_of(labels: Labels, node: str) -> list[str]:
     """Components of a node: "x", "y", "z" of its position, "phi" or "rx", "ry", "rz" of its rotation.
 
     Raises:
@@ -212,11 +216,11 @@ def axes_of(labels: Labels, node: str) -> list[str]:
     return axes
 
 
-def of_component(method: str, about: str = "") -> Callable[[Any, str], Any]:
+def component_answer(method: str, about: str = "") -> Callable[[Any, str], Any]:
     """Answer by a method of node and component; about axes by another method if there is one."""
 
-    def value(state: Any, rest: str) -> Any:
-        node, component = split(rest)
+    def value(state: Any, argument: str) -> Any:
+        node, component = node_and_component(argument)
         return getattr(at_rest(state), about if about and component in ANGLES else method)(node, component)
 
     return value
@@ -224,10 +228,10 @@ def of_component(method: str, about: str = "") -> Callable[[Any, str], Any]:
 
 def by_component(along: str, about: str) -> Callable[[str, Labels | None], str]:
     """Unit of a component of a node, along or about an axis."""
-    return lambda rest, labels: about if rest.rpartition(".")[2] in ANGLES else along
+    return lambda argument, labels: about if argument.rpartition(".")[2] in ANGLES else along
 
 
-def on_host(state: Any, values: Any) -> Any:
+def as_host_values(state: Any, values: Any) -> Any:
     """Values of a path or a motion as numpy arrays, of which JAX compiles no programs; others as they are."""
     return np.asarray(values) if is_many(state) else values
 

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 
 from ..linear.stress import Stress, stress
 from ..model.model import Model
-from .question import Question, on_host
+from .question import Question, as_host_values
 
 
 def stress_of(state: Any) -> Stress:
@@ -20,10 +20,10 @@ def _stress(state: Any, element: str) -> Any:
         return known.maximum
     if element not in known.names:
         raise KeyError(f"no stress of an element '{element}'; there is {', '.join(known.names)}")
-    return on_host(state, known.by_element)[..., known.names.index(element)]
+    return as_host_values(state, known.by_element)[..., known.names.index(element)]
 
 
-def _utilisation(state: Any, rest: str) -> Any:
+def _utilisation(state: Any, argument: str) -> Any:
     return jnp.max(stress_of(state).utilisation, axis=-1)
 
 

@@ -10,10 +10,10 @@ from ..build.assemble import stack
 from ..build.builder import Builder
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
-from ..errors import clean
+from ..errors import printable
 from ..model.roles import Role
 from . import series as series
-from .kinds import NOTHING, SIZES, ElementKind, rectangle
+from .kinds import NOTHING, SIZES, ElementKind, leaf_section
 from .lines import DRAWING, Fault, Statement, known
 from .reading import Declared, Reading, Setting
 
@@ -76,7 +76,7 @@ def position(r: Reading, s: Statement, p: Values) -> None:
     r.positions[p["node"]] = values + [0.0] * (kind.size - len(values))
 
 
-def numbers(r: Reading, s: Statement, p: Values) -> None:
+def section_numbers(r: Reading, s: Statement, p: Values) -> None:
     """ESTIFF, EM, EDAMP: numbers of an element's section."""
     declared = r.declared(p["element"])
     kind, values = declared.kind, p["value"]
@@ -89,8 +89,10 @@ def numbers(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
     for name, value in zip(names, values, strict=False):
         if name == NOTHING and not (known(value) and value == 0):
-            what = "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
-            raise Fault(f"{kind.keyword} has no {what} of {value} must be 0")
+            missing = (
+                "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
+            )
+            raise Fault(f"{kind.keyword} has no {missing} of {value} must be 0")
         if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
             raise Fault(f"{name} must not be negative, but is {value}")
     counted = sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6])
@@ -106,7 +108,7 @@ def section(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} takes ESTIFF and EM instead of SECTION; SECTION is for LEAF and PLLEAF")
     values = [p[name] for name in SIZES if name in p]
     if all(map(known, values)):
-        for fault in rectangle(values).faults():
+        for fault in leaf_section(values).faults():
             raise Fault(f"has {fault.removesuffix(', or give nu')}")
     _keep(r, s, p, values)
 
@@ -129,32 +131,32 @@ def _keep(r: Reading, s: Statement, p: Values, values: list[Any]) -> None:
 
 
 def _counted(names: tuple[str, ...]) -> str:
-    shown = [name for name in dict.fromkeys(names) if name != NOTHING]
-    return f"{len(names)} number{'s' if len(names) > 1 else ''} ({', '.join(shown)})"
+    listed = [name for name in dict.fromkeys(names) if name != NOTHING]
+    return f"{len(names)} number{'s' if len(names) > 1 else ''} ({', '.join(listed)})"
 
 
-def _take_role(r: Reading, s: Statement, of: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
+def _take_role(r: Reading, s: Statement, owner: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
     """Give entries a role, and return their numbers, each once."""
-    what = "coordinate" if kind == "node" else "deformation"
+    noun = "coordinate" if kind == "node" else "deformation"
     named: dict[int, int] = {}
     for i, component in enumerate(components):
         if component in components[:i]:
-            raise Fault(f"{what} {component} is named twice")
-        for number in r.meant(of, component, kind):
+            raise Fault(f"{noun} {component} is named twice")
+        for number in r.meant(owner, component, kind):
             named.setdefault(number, component)
     again: dict[int, Statement] = {}
     for number, component in named.items():
-        first = r.roles.get((kind, of, number))
+        first = r.roles.get((kind, owner, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
             raise Fault(
-                f"{what} {component} has a role already by {first.keyword} on line {first.line}; only one role is"
+                f"{noun} {component} has a role already by {first.keyword} on line {first.line}; only one role is"
                 " allowed"
             )
         if first is not None:
             again.setdefault(component, first)
     for component, first in list(again.items())[:1]:
-        r.warnings.append((s, f"{what} {component} of {kind} {of} is named already on line {first.line}"))
-    r.roles |= {(kind, of, number): s for number in named}
+        r.warnings.append((s, f"{noun} {component} of {kind} {owner} is named already on line {first.line}"))
+    r.roles |= {(kind, owner, number): s for number in named}
     return list(named)
 
 
@@ -178,17 +180,17 @@ def release(r: Reading, s: Statement, p: Values) -> None:
 
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
     """DYNX, DYNE: degrees of freedom."""
-    kind, of, components = target(p)
-    r.builder.dof(str(of), *_take_role(r, s, of, components, kind, repeatable=False), kind=kind)
+    kind, owner, components = target(p)
+    r.builder.dof(str(owner), *_take_role(r, s, owner, components, kind, repeatable=False), kind=kind)
 
 
 def prescribed(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the kinematics block: prescribed coordinates or deformations, at their start values so far."""
-    kind, of, components = target(p)
+    kind, owner, components = target(p)
     for component in components:
-        r.single(of, component, kind)
-    for component in _take_role(r, s, of, components, kind, repeatable=True):
-        r.builder.prescribe(str(of), component, kind=kind)
+        r.single(owner, component, kind)
+    for component in _take_role(r, s, owner, components, kind, repeatable=True):
+        r.builder.prescribe(str(owner), component, kind=kind)
 
 
 def target(p: Values) -> tuple[str, int, Any]:
@@ -204,10 +206,10 @@ def lumped(r: Reading, s: Statement, p: Values) -> None:
     r.entries(p["node"], [], "node")
     if kind.part == "warping":
         raise Fault("is a warping node and has no lumped mass: the sixth number of EM of BEAMW is Jw")
-    wanted = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
-    if len(values) != wanted:
+    count = {"position": 1, "rotation": 1 if kind is ANGLE else 6}[kind.part]
+    if len(values) != count:
         names = "mass" if kind.part == "position" else "J" if kind is ANGLE else "Ixx Ixy Ixz Iyy Iyz Izz"
-        raise Fault(f"{_part(kind)} node takes {wanted} ({names}), but {len(values)} are given")
+        raise Fault(f"{_part(kind)} node takes {count} ({names}), but {len(values)} are given")
     r.once(s, p["node"])
     if kind.part == "position":
         if known(values[0]) and values[0] < 0:
@@ -245,36 +247,36 @@ def start_of(builder: Builder, kind: str, of: int | str, number: int) -> Any:
 
 def motion(r: Reading, s: Statement, p: Values) -> None:
     """INPUTX, INPUTE in the dynamics block: value of a prescribed coordinate or deformation."""
-    kind, of, component = target(p)
-    r.require(of, component, kind, Role.PRESCRIBED)
-    r.once(s, of, component)
-    r.builder.prescribe(str(of), component, p["value"] - start_of(r.builder, kind, of, component), kind=kind)
+    kind, owner, component = target(p)
+    r.require(owner, component, kind, Role.PRESCRIBED)
+    r.once(s, owner, component)
+    r.builder.prescribe(str(owner), component, p["value"] - start_of(r.builder, kind, owner, component), kind=kind)
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
-    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], *rates))
+    r.settings.setdefault(s.keyword, []).append((owner, component, p["value"], *rates))
     if any(not known(rate) or rate != 0 for rate in rates):
         r.warnings.append((s, RATES_IDLE))
 
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
     """DELINPX, DELINPE: increment of a prescribed value over the load path."""
-    kind, of, component = target(p)
-    r.require(of, component, kind, Role.PRESCRIBED)
-    r.once(s, of, component)
-    r.builder.prescribe(str(of), component, p["increment"], increment=True, kind=kind)
+    kind, owner, component = target(p)
+    r.require(owner, component, kind, Role.PRESCRIBED)
+    r.once(s, owner, component)
+    r.builder.prescribe(str(owner), component, p["increment"], increment=True, kind=kind)
 
 
 def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., dict[int, float]]) -> list[float]:
     """Values of an element's deformations; ``spread`` converts values of a beam to values of a spectral beam."""
-    of, values = p["element"], p["value"]
-    roles = r.entries(of, list(range(1, len(values) + 1)), "element")
-    r.once(s, of)
-    member = r.builder.members[str(of)]
-    if r.declared(of).kind.sized:
+    element, values = p["element"], p["value"]
+    roles = r.entries(element, list(range(1, len(values) + 1)), "element")
+    r.once(s, element)
+    member = r.builder.members[str(element)]
+    if r.declared(element).kind.sized:
         first = member.element.fields[0][0]
-        if given := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
-            keyword = r.declared(of).kind.keyword
+        if nonzero := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
+            keyword = r.declared(element).kind.keyword
             raise Fault(
-                f"{keyword} takes values of single coefficients alone, from deformation {first} on; value {given[0]}"
+                f"{keyword} takes values of single coefficients alone, from deformation {first} on; value {nonzero[0]}"
                 " must be 0"
             )
     elif member.element.fields:
@@ -287,10 +289,12 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
         values = [values_by_number.get(n, 0.0) for n in range(1, max(values_by_number, default=1) + 1)]
         roles = member.roles[: len(values)]
     numbered = enumerate(zip(roles, values, strict=True), 1)
-    held = [i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)]
-    if held:
-        listed = f"{'deformation' if len(held) == 1 else 'deformations'} {', '.join(map(str, held))}"
-        r.warnings.append((s, f"{listed} of element {of} is fixed, so the value has no effect"))
+    constrained = [
+        i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)
+    ]
+    if constrained:
+        listed = f"{'deformation' if len(constrained) == 1 else 'deformations'} {', '.join(map(str, constrained))}"
+        r.warnings.append((s, f"{listed} of element {element} is fixed, so the value has no effect"))
     return values
 
 
@@ -302,7 +306,7 @@ def prestress(r: Reading, s: Statement, p: Values) -> None:
 
 def strain(r: Reading, s: Statement, p: Values) -> None:
     """EINIT: deformations without stress."""
-    r.builder.strain(str(p["element"]), *_element_values(r, s, p, series.strains))
+    r.builder.strain(str(p["element"]), *_element_values(r, s, p, series.strain_coefficients))
 
 
 def expansion(r: Reading, s: Statement, p: Values) -> None:
@@ -317,18 +321,18 @@ def expansion(r: Reading, s: Statement, p: Values) -> None:
 
 def temperature(r: Reading, s: Statement, p: Values) -> None:
     """TEMP, DELTEMP: change of temperature of an element or of its two ends, and gradients across."""
-    of, values = p["element"], p["value"]
-    axes = r.declared(of).kind.dimension - 1
-    r.entries(of, [], "element")
+    element, values = p["element"], p["value"]
+    axes = r.declared(element).kind.dimension - 1
+    r.entries(element, [], "element")
     if len(values) not in (1, 2, 2 + axes):
         across = "along y and along z" if axes == 2 else "across"
         raise Fault(
             f"element takes the change, or that of its first and its last end, or both and the gradient {across}, but"
             f" {len(values)} numbers are given"
         )
-    r.once(s, of)
+    r.once(s, element)
     gradient = None if len(values) < 3 else values[2:] if axes == 2 else values[2]
-    r.builder.temperature(str(of), values[:2], gradient=gradient, increment=s.keyword == "DELTEMP")
+    r.builder.temperature(str(element), values[:2], gradient=gradient, increment=s.keyword == "DELTEMP")
 
 
 def gravity(r: Reading, s: Statement, p: Values) -> None:
@@ -355,20 +359,20 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
     """STARTDX, STARTDE: start values of a degree of freedom."""
-    kind, of, component = target(p)
-    r.require(of, component, kind, Role.DOF)
-    r.once(s, of, component)
+    kind, owner, component = target(p)
+    r.require(owner, component, kind, Role.DOF)
+    r.once(s, owner, component)
     velocity = p.get("velocity", 0.0)
-    r.settings.setdefault(s.keyword, []).append((of, component, p["value"], velocity))
-    start = start_of(r.builder, kind, of, component)
-    r.builder.start(str(of), component, p["value"] - start, velocity, kind=kind)
+    r.settings.setdefault(s.keyword, []).append((owner, component, p["value"], velocity))
+    start = start_of(r.builder, kind, owner, component)
+    r.builder.start(str(owner), component, p["value"] - start, velocity, kind=kind)
 
 
 def routine(r: Reading, s: Statement, p: Values) -> None:
     """USERSIG, USERINP: a Python function given beside the file."""
     r.once(s)
     if p["name"] not in r.callables:
-        name = clean(p["name"])
+        name = printable(p["name"])
         raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
     r.warnings.append(

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import jax.core
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 
 _NUMBER = r"(?P<number>([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?)(?![\w.])"
 _TOKEN = re.compile(rf"[ \t]*(?:{_NUMBER}|(?P<name>[^\W\d]\w*)|(?P<sign>\*\*|[-+*/()]))")
@@ -41,7 +41,7 @@ _UNARY = {"+": _Operation("+", 3, 1, operator.pos), "-": _Operation("-", 3, 1, o
 _OPEN = _Operation("(", 0, 0, operator.pos)
 
 
-def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
+def arithmetic_result(text: str, numbers: Mapping[str, Any]) -> Any:
     """Value of arithmetic with + - * / ** and parentheses, () real, by numbers by name, which may be traced.
 
     One pass without recursion: neither length nor depth has a limit. The message of a ValueError is the rest of a
@@ -49,34 +49,36 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     """
     values: list[Any] = []
     waiting: list[_Operation] = []
-    place, end, wanted = 0, len(text.rstrip(" \t")), True
+    place, end, expects_value = 0, len(text.rstrip(" \t")), True
     while place < end:
-        found = _TOKEN.match(text, place)
-        if found is None:
-            raise ValueError(f"may have numbers, parameters, pi, + - * / ** and parentheses only: {_rest(text, place)}")
-        sign = found["sign"]
+        match = _TOKEN.match(text, place)
+        if match is None:
+            raise ValueError(
+                f"may have numbers, parameters, pi, + - * / ** and parentheses only: {_remainder(text, place)}"
+            )
+        sign = match["sign"]
         # Before a value: a number, a name, "(" or a sign. After a value: an operation or ")".
-        if wanted and (found["number"] or found["name"]):
-            values.append(_number(found["number"]) if found["number"] else _named(found["name"], numbers))
-            wanted = False
-        elif wanted and sign == "(":
+        if expects_value and (match["number"] or match["name"]):
+            values.append(_number(match["number"]) if match["number"] else _value_of_name(match["name"], numbers))
+            expects_value = False
+        elif expects_value and sign == "(":
             waiting.append(_OPEN)
-        elif wanted and sign in _UNARY:
+        elif expects_value and sign in _UNARY:
             waiting.append(_UNARY[sign])
-        elif not wanted and sign == ")":
+        elif not expects_value and sign == ")":
             _finish(values, waiting, 1)
             if not waiting:
                 raise ValueError("is no arithmetic: a closing parenthesis has no opening one")
             waiting.pop()
-        elif not wanted and sign in _BINARY:
+        elif not expects_value and sign in _BINARY:
             operation = _BINARY[sign]
             _finish(values, waiting, operation.rank + (sign == "**"))
             waiting.append(operation)
-            wanted = True
+            expects_value = True
         else:
-            raise ValueError(f"is no arithmetic of numbers and parameters: {_rest(text, place)}")
-        place = found.end()
-    if wanted:
+            raise ValueError(f"is no arithmetic of numbers and parameters: {_remainder(text, place)}")
+        place = match.end()
+    if expects_value:
         raise ValueError("is no arithmetic of numbers and parameters: something is missing at its end")
     _finish(values, waiting, 1)
     if waiting:
@@ -84,7 +86,7 @@ def value_of(text: str, numbers: Mapping[str, Any]) -> Any:
     return values[0]
 
 
-def is_number(text: str) -> bool:
+def is_number_text(text: str) -> bool:
     """Whether a text is one number, with or without a sign."""
     return _PLAIN.fullmatch(text) is not None
 
@@ -103,16 +105,16 @@ def renamed(text: str, old: str, new: str) -> str:
 
 
 def _names(text: str) -> list[tuple[int, int]]:
-    found, place = [], 0
+    spans, place = [], 0
     while match := _TOKEN.match(text, place):
         if match["name"]:
-            found.append(match.span("name"))
+            spans.append(match.span("name"))
         place = match.end()
-    return found
+    return spans
 
 
-def _rest(text: str, place: int) -> str:
-    return f"see '{clean(text[place:].strip())}'"
+def _remainder(text: str, place: int) -> str:
+    return f"see '{printable(text[place:].strip())}'"
 
 
 def _finish(values: list[Any], waiting: list[_Operation], rank: int) -> None:
@@ -142,18 +144,18 @@ def _number(word: str) -> float:
     return _finite(float(word))
 
 
-def _named(name: str, numbers: Mapping[str, Any]) -> Any:
+def _value_of_name(name: str, numbers: Mapping[str, Any]) -> Any:
     if name not in numbers:
         if name == "pi":
             return math.pi
         known = ", ".join(numbers) or "none is given"
-        name, known = clean(name), clean(known)
+        name, known = printable(name), printable(known)
         raise ValueError(
             f"asks for '{name}', but there is no parameter '{name}' ({known}); it is given by numbers={{..}} in Python,"
             f" by --set {name}=NUMBER on the command line"
         )
     value = numbers[name]
     if isinstance(value, bool | np.bool_ | str) or np.shape(value) != ():
-        raise ValueError(f"asks for '{clean(name)}', which must be one number, but is {clean(repr(value))}")
+        raise ValueError(f"asks for '{printable(name)}', which must be one number, but is {printable(repr(value))}")
     # Division by a NumPy zero would only warn.
     return value if isinstance(value, jax.core.Tracer) else _finite(float(value))

@@ -59,9 +59,9 @@ ROWS = (
         for keyword in ("OUTLEVEL", "LEVELLOG")
         for block in (KINEMATICS, DYNAMICS)
     ),
-    Row("ESTIFF", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
-    Row("EM", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
-    Row("EDAMP", DYNAMICS, "element value ...", act.numbers, DESCRIBE),
+    Row("ESTIFF", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
+    Row("EM", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
+    Row("EDAMP", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
     Row("SECTION", DYNAMICS, "element width thickness E G rho [alpha]", act.section, DESCRIBE),
     Row("XM", DYNAMICS, "node value ...", act.lumped),
     Row("XF", DYNAMICS, "node value ...", act.force),

@@ -60,14 +60,16 @@ class ElementKind:
     @property
     def node_kinds(self) -> list[NodeKind]:
         """Kinds of the nodes on a line."""
-        own = self.element.nodes.values()
-        return [kind for kind in own if has_number(kind) or (kind.part == "warping" and self.warps)]
+        kinds = self.element.nodes.values()
+        return [kind for kind in kinds if has_number(kind) or (kind.part == "warping" and self.warps)]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of a line, by its order and its numbers of ESTIFF."""
         counts = any(not known(v) or v != 0 for v in stiffness[4:])
-        found = {"order": order, "shear": counts}
-        return self.element(**{name: v for name, v in found.items() if name in self.element.options and v is not None})
+        options = {"order": order, "shear": counts}
+        return self.element(
+            **{name: v for name, v in options.items() if name in self.element.options and v is not None}
+        )
 
     def stands_for(self, element: Element) -> bool:
         """Whether this keyword names an element type."""
@@ -77,38 +79,38 @@ class ElementKind:
         self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
     ) -> dict[str, Any]:
         """Properties for ``Builder.add`` from numbers by keyword, a vector y or axis, and other numbers by property."""
-        found: dict[str, Any] = dict(numbers)
+        properties: dict[str, Any] = dict(numbers)
         if self.warps:
             # FIX states what is held.
-            found["clamped"] = False
+            properties["clamped"] = False
         if "SECTION" in lines:
-            found["section"] = rectangle(lines["SECTION"])
+            properties["section"] = leaf_section(lines["SECTION"])
         if "CLAMP" in lines:
-            found["clamped"] = [bool(flag) for flag in lines["CLAMP"]]
+            properties["clamped"] = [bool(flag) for flag in lines["CLAMP"]]
         rigid = "alpha" in self.element.properties
         if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
-            found["y"] = stack(vector)
+            properties["y"] = stack(vector)
         if vector is not None and "axis" in self.element.properties:
-            found["axis"] = stack(vector)
+            properties["axis"] = stack(vector)
         if "stiffness" in self.stiffness:
             for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
                 if keyword in lines:
                     padded = stack(lines[keyword] + [0.0] * (len(self.stiffness) - len(lines[keyword])))
-                    found[name] = padded if len(padded) > 1 else padded[0]
-            return found
+                    properties[name] = padded if len(padded) > 1 else padded[0]
+            return properties
         if "ALPHA" in lines and rigid:
-            found["alpha"] = lines["ALPHA"][0]
+            properties["alpha"] = lines["ALPHA"][0]
         if "ESTIFF" in lines or "EM" in lines or ("ALPHA" in lines and not rigid):
             named = [
                 *zip(self.stiffness, lines.get("ESTIFF", []), strict=False),
                 *zip(self.mass, lines.get("EM", []), strict=False),
             ]
             alpha = None if rigid else lines.get("ALPHA", [None])[0]
-            own: dict[str, Any] = {name: value for name, value in named if name != NOTHING}
-            found["section"] = Rigidity(**own, alpha=alpha)
+            rigidities: dict[str, Any] = {name: value for name, value in named if name != NOTHING}
+            properties["section"] = Rigidity(**rigidities, alpha=alpha)
         if "EDAMP" in lines:
-            found["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
-        return found
+            properties["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
+        return properties
 
 
 def has_number(kind: NodeKind) -> bool:
@@ -116,7 +118,7 @@ def has_number(kind: NodeKind) -> bool:
     return kind.part not in ("internal", "warping")
 
 
-def rectangle(sizes: list[float]) -> Rectangle:
+def leaf_section(sizes: list[float]) -> Rectangle:
     """Section of a leaf spring from the numbers of SECTION."""
     width, thickness, *material = sizes
     return Rectangle(width, thickness, Material(**dict(zip(SIZES[2:], material, strict=False))))

@@ -28,25 +28,25 @@ class Way(NamedTuple):
 
 def role_of(builder: Builder, key: Key) -> Role:
     """Role of a coordinate or deformation."""
-    kind, of, number = key
-    return (builder.nodes if kind == "node" else builder.members)[of].roles[number - 1]
+    kind, owner, number = key
+    return (builder.nodes if kind == "node" else builder.members)[owner].roles[number - 1]
 
 
 def ways_of(settings: dict[str, Any]) -> dict[Key, Way]:
     """Lines of TRAJX and TRAJE in the settings of a file, by coordinate or deformation."""
-    found: dict[Key, Way] = {}
+    ways: dict[Key, Way] = {}
     for keyword, kind in zip(WAYS, ("node", "element"), strict=True):
         for leg in sorted(settings.get(keyword, []), key=lambda leg: leg.start):
             key = (kind, str(leg.of), leg.component)
-            found.setdefault(key, Way(keyword, [])).legs.append(leg)
-    return found
+            ways.setdefault(key, Way(keyword, [])).legs.append(leg)
+    return ways
 
 
 def _name(labels: Labels, key: Key) -> str:
     """Name of a coordinate or deformation."""
-    kind, of, number = key
+    kind, owner, number = key
     entries = labels.x if kind == "node" else labels.e
-    return next(str(entry) for entry in entries if entry.of == of and entry.component == number)
+    return next(str(entry) for entry in entries if entry.of == owner and entry.component == number)
 
 
 def _move(leg: Leg, start: float, end: float) -> Law:
@@ -65,28 +65,28 @@ def law_of(legs: list[Leg], start: float, reference: float = 0.0) -> Law:
     The first motion begins at ``start``, from the undeformed mechanism; values of lines count from ``reference`` [m,
     rad].
     """
-    breaks, pieces, at = [legs[0].start], [], start
+    breaks, polynomials, at = [legs[0].start], [], start
     for leg in legs:
         if leg.start > breaks[-1]:
-            pieces.append(np.array([[at]]))
+            polynomials.append(np.array([[at]]))
             breaks.append(leg.start)
         motion, at = _move(leg, at, leg.value - reference), leg.value - reference
-        pieces.append(np.asarray(motion.coefficients))
+        polynomials.append(np.asarray(motion.coefficients))
         # The phases of an S-curve miss the end by round-off.
         breaks += [*np.asarray(motion.breaks)[1:-1].tolist(), leg.end]
-    widest = max(piece.shape[1] for piece in pieces)
-    padded = [np.pad(piece, ((0, 0), (0, widest - piece.shape[1]))) for piece in pieces]
+    widest = max(piece.shape[1] for piece in polynomials)
+    padded = [np.pad(piece, ((0, 0), (0, widest - piece.shape[1]))) for piece in polynomials]
     # jnp.asarray compiles a program for each shape.
     return Law(jax.device_put(np.array(breaks)), jax.device_put(np.concatenate(padded)))
 
 
 def laws_of(builder: Builder, labels: Labels, settings: dict[str, Any], only: Role | None = None) -> dict[str, Law]:
     """Laws of all motions in a file, or of one role, by names: displacements from the undeformed mechanism."""
-    given, found = builder.loads["initial"].get("prescribed", {}), {}
+    prescribed, laws = builder.loads["initial"].get("prescribed", {}), {}
     for key, way in ways_of(settings).items():
-        kind, of, number = key
+        kind, owner, number = key
         if only in (None, role_of(builder, key)):
-            start = given.get(key, builder.starts.get(key, (0.0, 0.0))[0])
-            reference = start_of(builder, kind, of, number)
-            found[_name(labels, key)] = law_of(way.legs, float(start), float(reference))
-    return found
+            start = prescribed.get(key, builder.starts.get(key, (0.0, 0.0))[0])
+            reference = start_of(builder, kind, owner, number)
+            laws[_name(labels, key)] = law_of(way.legs, float(start), float(reference))
+    return laws

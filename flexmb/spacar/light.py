@@ -10,11 +10,11 @@ from ..errors import AnalysisError, ModelError
 from ..linear.damping import damped
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
-from .light_checks import check
-from .light_fields import Script, read, value_of
+from .light_checks import check_script
+from .light_fields import Script, field_value, read_script
 from .light_fields import Struct as Struct
 from .light_fields import StructArray as StructArray
-from .light_model import build
+from .light_model import build_script
 from .light_results import LightResults as LightResults
 
 # Stiffness and mass below this many units of round-off indicate wrong units.
@@ -62,20 +62,20 @@ def spacar_light(
         MechanismError: The mechanism is under-constrained, or over-constrained beyond possible releases.
         AnalysisError: A load step has no equilibrium.
     """
-    script = read(nodes, elements, nprops, eprops, opt)
-    check(script)
-    builder, model, releases = build(script)
+    script = read_script(nodes, elements, nprops, eprops, opt)
+    check_script(script)
+    builder, model, releases = build_script(script)
     factors: list[tuple[float, float]] = []
-    found: list[Linearization] = []
+    linearizations: list[Linearization] = []
     if not script.opt.get("showinputonly"):
         factors = load_steps(script)
         for i, (initial, increment) in enumerate(factors, 1):
-            found.append(_linearize(model, i, len(factors), initial, increment))
-    light = LightResults(script, builder, model, releases, factors, found)
-    if found:
+            linearizations.append(_linearize(model, i, len(factors), initial, increment))
+    light = LightResults(script, builder, model, releases, factors, linearizations)
+    if linearizations:
         light.warnings += _suspicions(light)
         if script.opt.get("transfer"):
-            light.statespace = to_statespace(_damped(found[-1], *script.opt["transfer"][1:]))
+            light.statespace = to_statespace(_damped(linearizations[-1], *script.opt["transfer"][1:]))
     if not script.opt.get("silent"):
         for text in light.warnings:
             python_warnings.warn(text, stacklevel=2)
@@ -104,22 +104,22 @@ def spacar_light_model(
         ModelError: See :func:`spacar_light`.
         MechanismError: See :func:`spacar_light`.
     """
-    script = read(nodes, elements, nprops, eprops, opt)
-    check(script)
-    return build(script)[1]
+    script = read_script(nodes, elements, nprops, eprops, opt)
+    check_script(script)
+    return build_script(script)[1]
 
 
 def load_steps(script: Script) -> list[tuple[float, float]]:
     """Factors of the initial and of the incremental loads at every step: initial loads rise first, then the others."""
-    fields = [name for own in script.nprops.values() for name in own]
+    fields = [name for properties in script.nprops.values() for name in properties]
     moving = [name for name in fields if name.startswith(("force", "moment", "displ", "rot"))]
-    initial, increment = (any(("_initial" in name) is wanted for name in moving) for wanted in (True, False))
-    steps = value_of(script.opt, "opt", "loadsteps")
+    initial, increment = (any(("_initial" in name) is is_initial for name in moving) for is_initial in (True, False))
+    steps = field_value(script.opt, "opt", "loadsteps")
     rising = np.linspace(0.0, 1.0, steps).tolist() if steps > 1 else [1.0]
-    found = [(s, 0.0) for s in rising] if initial else []
+    factors = [(s, 0.0) for s in rising] if initial else []
     if increment:
-        found += [(1.0, s) for s in (rising[1:] if initial and steps > 1 else rising)]
-    return found or [(1.0, 0.0)]
+        factors += [(1.0, s) for s in (rising[1:] if initial and steps > 1 else rising)]
+    return factors or [(1.0, 0.0)]
 
 
 def _linearize(model: Model, step: int, steps: int, initial: float, increment: float) -> Linearization:
@@ -133,16 +133,16 @@ def _linearize(model: Model, step: int, steps: int, initial: float, increment: f
 
 def _suspicions(light: LightResults) -> list[str]:
     """Warnings that the numbers suggest."""
-    found = []
+    texts = []
     first, eps = light.linearizations[0].matrices, np.finfo(float).eps
     for name, matrix, tiny in (("stiffness", first.K0, TINY_STIFFNESS), ("mass", first.M0, TINY_MASS)):
         largest = np.max(np.abs(np.asarray(matrix)), initial=0.0)
         if light.ndof and largest < tiny * eps:
-            found.append(f"The {name} of every degree of freedom is below {tiny * eps:.0e}: check the units.")
+            texts.append(f"The {name} of every degree of freedom is below {tiny * eps:.0e}: check the units.")
     unstable = [i for i in range(light.freq.shape[1]) if np.any(light.freq[:, i] < 0)]
     if unstable:
-        found.append(f"From load step {unstable[0] + 1} on, a motion has no stiffness left: it may have buckled.")
-    return found
+        texts.append(f"From load step {unstable[0] + 1} on, a motion has no stiffness left: it may have buckled.")
+    return texts
 
 
 def _damped(lin: Linearization, ratio: float = 0.0) -> Linearization:

@@ -6,22 +6,22 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from ..numerical_limits import LIGHT_LENGTH_RATIO, LIGHT_PARALLEL, LIGHT_SHORTEST, LIGHT_THIN, SAME_AXIS
-from .light_fields import AXES, COUNTS, Script, faults_of, numbered, value_of
+from .light_fields import AXES, COUNTS, Script, field_faults, field_value, structures_by_number
 from .lines import LARGEST, SMALLEST, within
 
 MANY_STEPS = 100
 
 
-def check(script: Script) -> None:
+def check_script(script: Script) -> None:
     """Raise ModelError with one line a fault; add ``sets`` and warnings to the script, and convert some options."""
-    faults = list(_connections(script)) or _rest(script)
+    faults = list(_connections(script)) or _faults(script)
     if faults:
         raise ModelError("\n".join(faults))
 
 
-def _rest(script: Script) -> list[str]:
+def _faults(script: Script) -> list[str]:
     faults = list(_membership(script))
     for number in sorted(script.eprops):
         faults += _set(script, number)
@@ -79,14 +79,14 @@ def _lengths(script: Script) -> Iterator[str]:
 
 
 def _orientation(script: Script, k: int, along: np.ndarray) -> Iterator[str]:
-    own = script.properties(k)
-    if not ("flex" in own or "dens" in own):
+    fields = script.properties(k)
+    if not ("flex" in fields or "dens" in fields):
         return
-    across = value_of(own, "eprops", "orien")
+    across = field_value(fields, "eprops", "orien")
     if is_concrete(across):
         size = np.linalg.norm(along) * np.linalg.norm(across)
         if np.linalg.norm(np.cross(along, across)) <= LIGHT_PARALLEL * size:
-            default = "" if "orien" in own else " (the default)"
+            default = "" if "orien" in fields else " (the default)"
             yield (
                 f"Element {k}: orien = {np.asarray(across).tolist()}{default} in eprops({script.sets[k]}) is zero or"
                 " parallel to its axis; give the direction of the width."
@@ -94,10 +94,10 @@ def _orientation(script: Script, k: int, along: np.ndarray) -> Iterator[str]:
 
 
 def _membership(script: Script) -> Iterator[str]:
-    for number, own in sorted(script.eprops.items()):
-        if "elems" not in own:
+    for number, fields in sorted(script.eprops.items()):
+        if "elems" not in fields:
             yield f"eprops({number}).elems: is missing; give the numbers of the elements of this set."
-        for k in own.get("elems", ()):
+        for k in fields.get("elems", ()):
             if k > len(script.elements):
                 yield f"eprops({number}).elems: there is no element {k}; they are numbered to {len(script.elements)}."
             elif k in script.sets:
@@ -110,42 +110,42 @@ def _membership(script: Script) -> Iterator[str]:
 
 
 def _set(script: Script, number: int) -> Iterator[str]:
-    own, where = script.eprops[number], f"eprops({number})"
-    if own.get("type") == "hinge":
-        other = [name for name in own if name not in ("elems", "type", "orien")]
+    fields, where = script.eprops[number], f"eprops({number})"
+    if fields.get("type") == "hinge":
+        other = [name for name in fields if name not in ("elems", "type", "orien")]
         if other:
             yield f"{where}: a hinge takes elems and orien, not {', '.join(other)}."
-        if not acts(own.get("orien")):
+        if not acts(fields.get("orien")):
             yield f"{where}.orien: must be the axis of the hinge, three numbers not all zero."
         return
-    yield from faults_of(own, "eprops", f"{where}.{{}}:")
+    yield from field_faults(fields, "eprops", f"{where}.{{}}:")
     yield from _section(script, number)
-    flex, form = value_of(own, "eprops", "flex"), own.get("cshape")
-    if missing := [name for name in ("emod", "smod", "dens", "cshape", "dim") if flex and name not in own]:
+    flex, form = field_value(fields, "eprops", "flex"), fields.get("cshape")
+    if missing := [name for name in ("emod", "smod", "dens", "cshape", "dim") if flex and name not in fields]:
         yield f"{where}: flexible elements need {', '.join(missing)} too."
     for name in ("warping", "cw"):
-        if name in own and not (2 in flex and form == "rect"):
+        if name in fields and not (2 in flex and form == "rect"):
             script.warnings.append(
                 f"{where}.{name} has no effect: it is for elements of cshape 'rect' whose torsion, 2, is in flex."
             )
-    if "warping" in own and "cw" in own:
+    if "warping" in fields and "cw" in fields:
         yield f"{where}: has warping and cw, which model the same effect; leave out cw."
-    if "nbeams" in own and not flex:
+    if "nbeams" in fields and not flex:
         script.warnings.append(f"{where}.nbeams has no effect on rigid elements.")
 
 
 def _section(script: Script, number: int) -> Iterator[str]:
-    own, where = script.eprops[number], f"eprops({number})"
-    if missing := [name for name in ("cshape", "dim") if "dens" in own and name not in own]:
+    fields, where = script.eprops[number], f"eprops({number})"
+    if missing := [name for name in ("cshape", "dim") if "dens" in fields and name not in fields]:
         yield f"{where}: has dens, and so needs {', '.join(missing)} for its mass."
-    sizes = {"rect": (2, "[width, thickness]"), "circ": (1, "the diameter")}.get(own.get("cshape", ""))
-    if sizes is None or "dim" not in own:
+    sizes = {"rect": (2, "[width, thickness]"), "circ": (1, "the diameter")}.get(fields.get("cshape", ""))
+    if sizes is None or "dim" not in fields:
         return
-    if own["dim"].shape[0] != sizes[0]:
-        yield f"{where}.dim: of a '{own['cshape']}' must be {sizes[1]}, but has {own['dim'].shape[0]} numbers."
+    if fields["dim"].shape[0] != sizes[0]:
+        yield f"{where}.dim: of a '{fields['cshape']}' must be {sizes[1]}, but has {fields['dim'].shape[0]} numbers."
     # The predecessor refuses so thin a rectangle; foils of 50 micrometres exist.
-    elif is_concrete(own["dim"]) and 0 < np.min(own["dim"]) < LIGHT_THIN:
-        script.warnings.append(f"{where}.dim = {own['dim'].tolist()} is below {LIGHT_THIN:g} m: is it in metres?")
+    elif is_concrete(fields["dim"]) and 0 < np.min(fields["dim"]) < LIGHT_THIN:
+        script.warnings.append(f"{where}.dim = {fields['dim'].tolist()} is below {LIGHT_THIN:g} m: is it in metres?")
 
 
 def rotations(own: dict[str, Any]) -> dict[str, tuple[str, Any]]:
@@ -156,31 +156,31 @@ def rotations(own: dict[str, Any]) -> dict[str, tuple[str, Any]]:
 
 
 def _node(script: Script, number: int) -> Iterator[str]:
-    own, where = script.nprops[number], f"Node {number}"
+    fields, where = script.nprops[number], f"Node {number}"
     if number > len(script.nodes):
         yield f"nprops({number}): there is no node {number}; nodes are numbered to {len(script.nodes)}."
         return
-    held = [name for name in own if name.startswith("fix")]
-    if "fix" in own and len(held) > 1:
-        yield f"{where}: fix holds all of it; leave out {', '.join(n for n in held if n != 'fix')}."
-    elif "fix_pos" in own and any(f"fix_{axis}" in own for axis in AXES):
-        yield f"{where}: fix_pos holds x, y and z; leave out {', '.join(n for n in held if n[4:] in AXES)}."
+    fix_names = [name for name in fields if name.startswith("fix")]
+    if "fix" in fields and len(fix_names) > 1:
+        yield f"{where}: fix holds all of it; leave out {', '.join(n for n in fix_names if n != 'fix')}."
+    elif "fix_pos" in fields and any(f"fix_{axis}" in fields for axis in AXES):
+        yield f"{where}: fix_pos holds x, y and z; leave out {', '.join(n for n in fix_names if n[4:] in AXES)}."
     for i, axis in enumerate(AXES):
-        ways = [name for name in ("fix", "fix_pos", f"fix_{axis}") if name in own][:1]
-        ways += [n for n in ("force", "force_initial") if n in own and acts(own[n][i])][:1]
-        ways += [n for n in (f"displ_{axis}", f"displ_initial_{axis}") if n in own][:1]
+        ways = [name for name in ("fix", "fix_pos", f"fix_{axis}") if name in fields][:1]
+        ways += [n for n in ("force", "force_initial") if n in fields and acts(fields[n][i])][:1]
+        ways += [n for n in (f"displ_{axis}", f"displ_initial_{axis}") if n in fields][:1]
         if len(ways) > 1:
             yield f"{where}: {' and '.join(ways)} act on {axis}; choose one."
-    turns = rotations(own)
-    ways = [name for name in ("fix", "fix_orien") if name in own][:1]
-    ways += [name for name in ("moment", "moment_initial") if acts(own.get(name))][:1] + list(turns)[:1]
+    turns = rotations(fields)
+    ways = [name for name in ("fix", "fix_orien") if name in fields][:1]
+    ways += [name for name in ("moment", "moment_initial") if acts(fields.get(name))][:1] + list(turns)[:1]
     if len(ways) > 1:
         yield f"{where}: {' and '.join(ways)} act on its rotation; choose one."
     yield from _turns(where, turns)
-    yield from faults_of(own, "nprops", f"{where}: {{}}")
-    if acts(own.get("mass")) and ("fix" in own or "fix_pos" in own):
+    yield from field_faults(fields, "nprops", f"{where}: {{}}")
+    if acts(fields.get("mass")) and ("fix" in fields or "fix_pos" in fields):
         script.warnings.append(f"{where}: its mass does not move, since the node is fixed.")
-    if "fix_warp" in own and not any("warping" in script.properties(k) for k in script.at(number)):
+    if "fix_warp" in fields and not any("warping" in script.properties(k) for k in script.at(number)):
         script.warnings.append(f"{where}: fix_warp has no effect, since no element there has warping.")
 
 
@@ -207,12 +207,12 @@ def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
 def _supports(script: Script) -> Iterator[str]:
     """A necessary number of supports; the rank of the constraints decides later."""
     count = 0
-    for own in script.nprops.values():
-        count += 6 * ("fix" in own) + 3 * ("fix_pos" in own) + 3 * ("fix_orien" in own)
+    for fields in script.nprops.values():
+        count += 6 * ("fix" in fields) + 3 * ("fix_pos" in fields) + 3 * ("fix_orien" in fields)
         for axis in AXES:
-            held = (f"fix_{axis}", f"displ_{axis}", f"displ_initial_{axis}")
-            count += any(name in own for name in held)
-        turns = {axis for axis, _ in rotations(own).values()}
+            names = (f"fix_{axis}", f"displ_{axis}", f"displ_initial_{axis}")
+            count += any(name in fields for name in names)
+        turns = {axis for axis, _ in rotations(fields).values()}
         count += 3 * ("free" in turns) + len(turns - {"free"})
     if count < 6:
         yield f"nprops: {count} coordinates are fixed, but at least 6 are needed; use fix, fix_pos, fix_x .."
@@ -226,21 +226,25 @@ def _options(script: Script) -> Iterator[str]:
                 f"opt.{name}: lines of an input file are not read here. Add to the model with the methods of"
                 " Builder (spacar_light(..).builder), or read the whole file with read_spacar."
             )
-    yield from faults_of(opt, "opt", "opt.{}:")
-    if value_of(opt, "opt", "loadsteps") >= MANY_STEPS:
+    yield from field_faults(opt, "opt", "opt.{}:")
+    if field_value(opt, "opt", "loadsteps") >= MANY_STEPS:
         script.warnings.append(f"opt.loadsteps = {opt['loadsteps']}: so many equilibria take long.")
     if "rls" in opt:
         yield from _releases(script)
     if "transfer" in opt:
         try:
-            given = np.ravel(np.asarray(opt["transfer"], float))
+            transfer = np.ravel(np.asarray(opt["transfer"], float))
         except (ValueError, TypeError):
-            given = np.zeros(0)
-        if given.size not in (1, 2) or given[0] not in (0, 1) or not np.all(given >= 0):
-            yield f"opt.transfer: must be true, or [true, damping ratio], but is {clean(repr(opt['transfer']))}."
+            transfer = np.zeros(0)
+        if transfer.size not in (1, 2) or transfer[0] not in (0, 1) or not np.all(transfer >= 0):
+            yield f"opt.transfer: must be true, or [true, damping ratio], but is {printable(repr(opt['transfer']))}."
             return
-        opt["transfer"] = tuple(given.tolist()) if given[0] else None
-    fields = [name for name in ("transfer_in", "transfer_out") if any(name in own for own in script.nprops.values())]
+        opt["transfer"] = tuple(transfer.tolist()) if transfer[0] else None
+    fields = [
+        name
+        for name in ("transfer_in", "transfer_out")
+        if any(name in properties for properties in script.nprops.values())
+    ]
     if opt.get("transfer"):
         if len(fields) < 2:
             yield "opt.transfer: needs an input (transfer_in) and an output (transfer_out) at some node."
@@ -250,9 +254,9 @@ def _options(script: Script) -> Iterator[str]:
 
 def _releases(script: Script) -> Iterator[str]:
     """``opt.rls`` by element number; empty if nothing is released."""
-    given, releases = script.opt["rls"], {}
+    stated, releases = script.opt["rls"], {}
     faults: list[str] = []
-    pairs = numbered(given, "opt.rls", faults)
+    pairs = structures_by_number(stated, "opt.rls", faults)
     yield from faults
     for number, value in pairs:
         if not isinstance(value, dict) and hasattr(value, "__dict__") and not hasattr(value, "shape"):
@@ -262,7 +266,7 @@ def _releases(script: Script) -> Iterator[str]:
         try:
             numbers = COUNTS.read(value) if np.size(value) else ()
         except (ValueError, TypeError, OverflowError):
-            yield f"opt.rls({number}): must be numbers of deformations, but is {clean(repr(value))}."
+            yield f"opt.rls({number}): must be numbers of deformations, but is {printable(repr(value))}."
             continue
         if not 1 <= number <= len(script.elements):
             yield f"opt.rls({number}): there is no element {number}; they are numbered to {len(script.elements)}."

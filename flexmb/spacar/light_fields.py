@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arguments import Range, is_concrete
 from ..build.assemble import stack
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from .lines import LARGEST, MOST, SMALLEST, within
 
 AXES = ("x", "y", "z")
@@ -64,7 +64,7 @@ class FieldForm(NamedTuple):
     """The form of a field: words for messages, and a function that reads the value or raises ValueError, TypeError."""
 
     wanted: str
-    read: Callable[[Any], Any]
+    read_script: Callable[[Any], Any]
 
 
 def _flag(value: Any) -> bool:
@@ -200,31 +200,33 @@ FIELDS: dict[str, dict[str, Field]] = {
 }  # fmt: skip
 
 
-def value_of(given: Mapping[str, Any], part: str, name: str) -> Any:
+def field_value(given: Mapping[str, Any], part: str, name: str) -> Any:
     """Value of a field, or its default."""
     return given.get(name, FIELDS[part][name].default)
 
 
-def faults_of(given: Mapping[str, Any], part: str, label: str) -> Iterator[str]:
+def field_faults(given: Mapping[str, Any], part: str, label: str) -> Iterator[str]:
     """Faults of fields out of their bounds or choices; ``label`` has "{}" for their names."""
     for name, value in given.items():
-        if wanted := FIELDS[part][name].fault(value):
-            shown = np.asarray(value).tolist() if isinstance(value, tuple | np.ndarray) else clean(repr(value))
-            yield f"{label.format(name)} must be {wanted}, but is {shown}."
+        if expected := FIELDS[part][name].fault(value):
+            text = np.asarray(value).tolist() if isinstance(value, tuple | np.ndarray) else printable(repr(value))
+            yield f"{label.format(name)} must be {expected}, but is {text}."
 
 
-def numbered(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
+def structures_by_number(given: Any, what: str, faults: list[str]) -> list[tuple[int, Any]]:
     """Structures by number, from a StructArray, a dictionary by number, or a list; add faults."""
     if isinstance(given, StructArray | Mapping):
         pairs = list(given.items())
     elif given is None or (isinstance(given, Sequence) and not isinstance(given, str)):
         pairs = list(enumerate(given or (), 1))
     else:
-        faults.append(f"{what}: must be a StructArray, a dictionary by number or a list, but is {clean(repr(given))}.")
+        faults.append(
+            f"{what}: must be a StructArray, a dictionary by number or a list, but is {printable(repr(given))}."
+        )
         return []
     for number, _ in pairs:
         if isinstance(number, bool) or not isinstance(number, int | np.integer) or not 1 <= number <= MOST:
-            faults.append(f"{what}: structures are numbered from 1, but one is {clean(repr(number))}.")
+            faults.append(f"{what}: structures are numbered from 1, but one is {printable(repr(number))}.")
             return []
     return [(int(number), struct) for number, struct in pairs]
 
@@ -233,15 +235,17 @@ def read_fields(struct: Any, part: str, where: str, faults: list[str], idle: lis
     """Fields of a structure of "nprops", "eprops" or "opt" in their forms; add faults and names of idle fields."""
     known, fields = FIELDS[part], {}
     if not isinstance(struct, Mapping) and not hasattr(struct, "__dict__"):
-        faults.append(f"{where}: must be fields by name, as a dictionary or a Struct, but is {clean(repr(struct))}.")
+        faults.append(
+            f"{where}: must be fields by name, as a dictionary or a Struct, but is {printable(repr(struct))}."
+        )
         return {}
     for key, value in (struct if isinstance(struct, Mapping) else vars(struct)).items():
         name = str(key).rstrip("_")
         field = known.get(name)
         if field is None:
-            near = difflib.get_close_matches(name[:40], known, 1)
-            hint = f" Did you mean {near[0]}?" if near else f" It takes: {', '.join(known)}."
-            faults.append(f"{where}.{clean(name)}: there is no such field.{hint}")
+            similar = difflib.get_close_matches(name[:40], known, 1)
+            hint = f" Did you mean {similar[0]}?" if similar else f" It takes: {', '.join(known)}."
+            faults.append(f"{where}.{printable(name)}: there is no such field.{hint}")
         elif value is None or (field.form is not ANYTHING and _is_empty(value)):
             continue
         elif field.idle:
@@ -251,8 +255,8 @@ def read_fields(struct: Any, part: str, where: str, faults: list[str], idle: lis
                 fields[name] = field.form.read(value)
             except (ValueError, TypeError, OverflowError) as fault:
                 size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
-                wanted = size if isinstance(fault, OutOfRange) else field.form.wanted
-                faults.append(f"{where}.{name}: must be {wanted}, but is {clean(repr(value))}.")
+                expected = size if isinstance(fault, OutOfRange) else field.form.wanted
+                faults.append(f"{where}.{name}: must be {expected}, but is {printable(repr(value))}.")
     # "fix = false" is the default.
     return {name: value for name, value in fields.items() if value is not False or part == "opt"}
 
@@ -298,8 +302,8 @@ class Script:
 
     def warps(self, element: int) -> bool:
         """Whether the warping of an element's nodes counts: of strips that can be twisted, where that is asked for."""
-        own = self.properties(element)
-        return bool(own.get("warping")) and own.get("cshape") == "rect" and 2 in self.flexible(element)
+        fields = self.properties(element)
+        return bool(fields.get("warping")) and fields.get("cshape") == "rect" and 2 in self.flexible(element)
 
     def ends(self, element: int) -> tuple[int, int]:
         """Numbers of an element's nodes."""
@@ -320,8 +324,8 @@ PARTS = {"coordinates": "nodes", "connect": "elements", "nprops": "nprops", "epr
 
 def _parts(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> dict[str, Any]:
     """The five parts of a script, which may be given in one struct."""
-    given = {"nodes": nodes, "elements": elements, "nprops": nprops, "eprops": eprops, "opt": opt}
-    spelling = {name: name for name in given}
+    parts = {"nodes": nodes, "elements": elements, "nprops": nprops, "eprops": eprops, "opt": opt}
+    spelling = {name: name for name in parts}
     if isinstance(nodes, Mapping | Struct):
         if any(part is not None for part in (elements, nprops, eprops, opt)):
             raise ModelError("A script in one struct is given alone: its fields are " + ", ".join(PARTS) + ".")
@@ -329,31 +333,33 @@ def _parts(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> dic
         for name in fields:
             if name not in PARTS:
                 raise ModelError(f"{name}: there is no such field. It takes: {', '.join(PARTS)}.")
-        given = {part: fields.get(name) for name, part in PARTS.items()}
+        parts = {part: fields.get(name) for name, part in PARTS.items()}
         spelling = {part: name for name, part in PARTS.items()}
-    missing = [spelling[part] for part, value in given.items() if value is None and part != "opt"]
+    missing = [spelling[part] for part, value in parts.items() if value is None and part != "opt"]
     if missing:
         raise ModelError(
             f"{', '.join(missing)}: {'is' if len(missing) == 1 else 'are'} not given. Give nodes, elements, nprops,"
             f" eprops and, if wanted, opt; or one struct with {', '.join(PARTS)}."
         )
-    return given
+    return parts
 
 
-def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Script:
+def read_script(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Script:
     """Read a script; every field must be known and have its form. Raise ModelError with one line a fault."""
     faults: list[str] = []
     nodes, elements, nprops, eprops, opt = _parts(nodes, elements, nprops, eprops, opt).values()
     positions, pairs = _rows(nodes), _rows(elements)
     if positions is None or positions.shape[1] != 3:
-        faults.append(f"nodes: must be one row of x, y and z per node, but is {_seen(nodes, positions)}.")
+        faults.append(f"nodes: must be one row of x, y and z per node, but is {_seen_value(nodes, positions)}.")
     if pairs is None or pairs.shape[1] != 2 or not are_counts(pairs):
-        faults.append(f"elements: must be one row of two node numbers per element, but is {_seen(elements, pairs)}.")
+        faults.append(
+            f"elements: must be one row of two node numbers per element, but is {_seen_value(elements, pairs)}."
+        )
     if faults or positions is None or pairs is None:
         raise ModelError("\n".join(faults))
     script, idle = Script(positions, pairs.astype(int), {}, {}, {}, {}, []), []
     for part, structs, fields in (("nprops", nprops, script.nprops), ("eprops", eprops, script.eprops)):
-        for number, struct in numbered(structs, part, faults):
+        for number, struct in structures_by_number(structs, part, faults):
             fields[number] = read_fields(struct, part, f"{part}({number})", faults, idle)
     script.opt.update(read_fields(opt or {}, "opt", "opt", faults, idle))
     if idle:
@@ -363,20 +369,20 @@ def read(nodes: Any, elements: Any, nprops: Any, eprops: Any, opt: Any) -> Scrip
     return script
 
 
-def _rows(given: Any) -> Any:
+def _rows(values: Any) -> Any:
     """Rows of numbers, (n, m), which may be traced; None if they are none."""
-    if isinstance(given, str):
+    if isinstance(values, str):
         return None
     try:
-        rows = [list(row) for row in given] if isinstance(given, Sequence) else given
+        rows = [list(row) for row in values] if isinstance(values, Sequence) else values
         if is_concrete(rows):
-            found = np.asarray(rows, float)
+            matrix = np.asarray(rows, float)
         else:
-            found = jnp.stack([stack(row) for row in rows]) if isinstance(rows, list) else jnp.asarray(rows, float)
+            matrix = jnp.stack([stack(row) for row in rows]) if isinstance(rows, list) else jnp.asarray(rows, float)
     except (ValueError, TypeError, OverflowError):
         return None
-    return found if found.ndim == 2 else None
+    return matrix if matrix.ndim == 2 else None
 
 
-def _seen(given: Any, rows: Any) -> str:
-    return clean(repr(given)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"
+def _seen_value(values: Any, rows: Any) -> str:
+    return printable(repr(values)) if rows is None or rows.size < 10 else f"of shape {rows.shape}"

@@ -15,7 +15,7 @@ from ..elements.sections import Circle, Material, Rectangle, Rigidity, Section
 from ..errors import MechanismError, ModelError
 from ..model.model import Model
 from .light_checks import acts, rotations
-from .light_fields import AXES, INPUTS, OUTPUTS, Script, value_of
+from .light_fields import AXES, INPUTS, OUTPUTS, Script, field_value
 
 Releases = Mapping[int, tuple[int, ...]]
 
@@ -27,14 +27,16 @@ def node_name(node: int) -> str:
 
 def beam_names(script: Script, element: int) -> list[str]:
     """Names in the Builder of the beams, or of the hinge, of an element."""
-    own = script.properties(element)
-    return [f"e{element}.{i + 1}" for i in range(value_of(own, "eprops", "nbeams") if script.flexible(element) else 1)]
+    fields = script.properties(element)
+    return [
+        f"e{element}.{i + 1}" for i in range(field_value(fields, "eprops", "nbeams") if script.flexible(element) else 1)
+    ]
 
 
-def build(script: Script) -> tuple[Builder, Model, Releases]:
+def build_script(script: Script) -> tuple[Builder, Model, Releases]:
     """Builder and Model of a script, and the released deformations of each element, which depend on geometry alone."""
     releases: Releases = script.opt.get("rls", {})
-    if is_concrete((script.nodes, [own.get("orien") for own in script.eprops.values()])):
+    if is_concrete((script.nodes, [fields.get("orien") for fields in script.eprops.values()])):
         # Nothing here is traced: compute at once, also within a trace.
         with jax.ensure_compile_time_eval():
             releases = _complete(script, releases)
@@ -52,13 +54,13 @@ def _complete(script: Script, releases: Releases) -> Releases:
     bare = describe(script, releases, bare=True).build(dofs="named", check=False)
     last = {beam_names(script, k)[-1]: k for k in script.numbers()}
     candidates = {(beam, i) for beam, k in last.items() for i in script.flexible(k) if i not in releases.get(k, ())}
-    found = mobility(bare)
-    removed = removals(bare, candidates) if found.overconstraints else ()
+    bare_mobility = mobility(bare)
+    removed = removals(bare, candidates) if bare_mobility.overconstraints else ()
     proposed: dict[int, tuple[int, ...]] = {}
     for beam, i in (r for r in removed if r is not None):
         proposed[last[beam]] = tuple(sorted((*proposed.get(last[beam], ()), i)))
-    if found.underconstraints:
-        raise MechanismError("underconstrained" if not found.overconstraints else "both", _loose(found))
+    if bare_mobility.underconstraints:
+        raise MechanismError("underconstrained" if not bare_mobility.overconstraints else "both", _loose(bare_mobility))
     if None in removed:
         raise MechanismError("overconstrained", _redundant(script, {**releases, **proposed}, removed.count(None)))
     if removed and "rls" in script.opt:
@@ -71,29 +73,29 @@ def _complete(script: Script, releases: Releases) -> Releases:
     return {k: releases.get(k, ()) + proposed.get(k, ()) for k in script.numbers() if k in releases or k in proposed}
 
 
-def _loose(found: Any) -> str:
-    lines = [f"The mechanism is under-constrained: {counted(found.underconstraints, 'free motion')}."]
-    for i in range(found.underconstraints):
-        moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in found.motions(i)))
-        parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in found.motions(i))
+def _loose(bare_mobility: Any) -> str:
+    lines = [f"The mechanism is under-constrained: {counted(bare_mobility.underconstraints, 'free motion')}."]
+    for i in range(bare_mobility.underconstraints):
+        moving = list(dict.fromkeys(share.of.removesuffix(".rotation") for share in bare_mobility.motions(i)))
+        parts = among(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in bare_mobility.motions(i))
         lines.append(f"  motion {i + 1} of {among(moving)}: {parts}")
     return "\n".join([*lines, "Fix or support these nodes (n3 is node 3), or join them to the rest."])
 
 
 def _redundant(script: Script, releases: Releases, count: int) -> str:
     """Message about over-constraints that no release removes."""
-    found = mobility(describe(script, releases, bare=True).build(dofs="named", check=False))
+    bare_mobility = mobility(describe(script, releases, bare=True).build(dofs="named", check=False))
     lines = [f"The mechanism is over-constrained, and no deformation in flex can be released for it ({count} times)."]
-    for i in range(found.overconstraints):
-        shares = [s for s in found.stresses(i) if s.of[0] == "e" and not s.of.endswith(".pin")]
-        held: dict[int, set[int]] = {}
+    for i in range(bare_mobility.overconstraints):
+        shares = [s for s in bare_mobility.stresses(i) if s.of[0] == "e" and not s.of.endswith(".pin")]
+        stressed: dict[int, set[int]] = {}
         for share in shares:
-            held.setdefault(int(share.of[1:].split(".")[0]), set()).add(share.component)
-        flex = {k: set(script.flexible(k)) for k in sorted(held) if "flex" in script.properties(k)}
-        soft = {k: sorted(held[k] - known) for k, known in flex.items()}
+            stressed.setdefault(int(share.of[1:].split(".")[0]), set()).add(share.component)
+        flex = {k: set(script.flexible(k)) for k in sorted(stressed) if "flex" in script.properties(k)}
+        soft = {k: sorted(stressed[k] - known) for k, known in flex.items()}
         advice = [f"add one of {numbers} to flex of element {k}" for k, numbers in soft.items() if numbers]
         remedy = "; or ".join(advice) or "they form a loop of rigid elements; make one of them flexible"
-        lines.append(f"  elements {', '.join(map(str, sorted(held)))} hold each other: {remedy}")
+        lines.append(f"  elements {', '.join(map(str, sorted(stressed)))} hold each other: {remedy}")
     return "\n".join(lines)
 
 
@@ -110,19 +112,19 @@ def describe(script: Script, releases: Releases, bare: bool = False) -> Builder:
             _add_hinge(b, script, k)
         else:
             _add_beams(b, script, k, bare)
-    for i, own in sorted(script.nprops.items()):
-        _support(b, node_name(i), own, bare)
+    for i, fields in sorted(script.nprops.items()):
+        _support(b, node_name(i), fields, bare)
         if not bare:
-            _load(b, node_name(i), own)
+            _load(b, node_name(i), fields)
     for k in script.numbers():
         beams = beam_names(script, k)
         for beam in beams:
             free = releases.get(k, ()) if beam is beams[-1] else ()
-            rest = [i for i in script.flexible(k) if i not in free]
+            remaining = [i for i in script.flexible(k) if i not in free]
             if free:
                 b.release(beam, *free)
-            if rest:
-                b.dof(beam, *rest)
+            if remaining:
+                b.dof(beam, *remaining)
     for name, node in list(b.nodes.items()):
         if node.kind.part == "warping" and not _holds_warping(script, name.removesuffix(".warping")):
             b.dof(name, 1)
@@ -139,36 +141,46 @@ def _add_hinge(b: Builder, script: Script, k: int) -> None:
 
 
 def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
-    own, beams = script.properties(k), beam_names(script, k)
+    fields, beams = script.properties(k), beam_names(script, k)
     p, q = script.ends(k)
     start, end = script.nodes[p - 1], script.nodes[q - 1]
-    y = value_of(own, "eprops", "orien") if "flex" in own or "dens" in own else None
+    y = field_value(fields, "eprops", "orien") if "flex" in fields or "dens" in fields else None
     section = None if bare else section_of(script, k)
     ends = [node_name(p)]
     for i in range(1, len(beams)):
         ends.append(b.node(f"e{k}.n{i}", list(start + (end - start) * (i / len(beams)))))
     ends.append(node_name(q))
-    for beam, one, other in zip(beams, ends[:-1], ends[1:], strict=True):
+    for beam, first, second in zip(beams, ends[:-1], ends[1:], strict=True):
         named = {"name": beam, "section": section, "y": y, "released": ()}
         if script.warps(k):
-            b.add(spatial.warping_beam, one, other, clamped=[_holds_warping(script, n) for n in (one, other)], **named)
+            b.add(
+                spatial.warping_beam,
+                first,
+                second,
+                clamped=[_holds_warping(script, n) for n in (first, second)],
+                **named,
+            )
         else:
-            b.add(spatial.beam, one, other, **named)
+            b.add(spatial.beam, first, second, **named)
 
 
 def section_of(script: Script, k: int) -> Section | None:
     """Section of an element; for a rigid one only its mass, and None without density."""
-    own = script.properties(k)
+    fields = script.properties(k)
     flexible = bool(script.flexible(k))
-    if not flexible and "dens" not in own:
+    if not flexible and "dens" not in fields:
         return None
-    dim = own["dim"]
-    material = Material(E=own["emod"], G=own["smod"], rho=own["dens"]) if flexible else Material(1.0, 1.0, own["dens"])
-    if own["cshape"] == "circ":
+    dim = fields["dim"]
+    material = (
+        Material(E=fields["emod"], G=fields["smod"], rho=fields["dens"])
+        if flexible
+        else Material(1.0, 1.0, fields["dens"])
+    )
+    if fields["cshape"] == "circ":
         section: Section = Circle(dim[0], material, shear=True)
     else:
         # The closed form for both ends of the whole element; a warping beam needs none.
-        length = _length(script, k) if flexible and own.get("cw") else None
+        length = _length(script, k) if flexible and fields.get("cw") else None
         section = Rectangle(dim[0], dim[1], material, shear=True, warping_length=length, warping_modulus="beam")
     if flexible:
         return section
@@ -191,25 +203,25 @@ def _holds_warping(script: Script, name: str) -> bool:
     number = next((i for i in range(1, len(script.nodes) + 1) if node_name(i) == name), None)
     if number is None:
         return False
-    own = script.nprops.get(number, {})
-    if any(held in own for held in ("fix", "fix_orien", "fix_warp")) or rotations(own):
+    fields = script.nprops.get(number, {})
+    if any(field in fields for field in ("fix", "fix_orien", "fix_warp")) or rotations(fields):
         return True
     return any(script.is_hinge(k) or not script.flexible(k) for k in script.at(number))
 
 
-def _support(b: Builder, node: str, own: dict[str, Any], bare: bool) -> None:
+def _support(b: Builder, node: str, fields: dict[str, Any], bare: bool) -> None:
     for name, parts in (("fix", ()), ("fix_pos", ("position",)), ("fix_orien", ("rotation",))):
-        if name in own:
+        if name in fields:
             b.fix(node, *parts)
     for axis in AXES:
-        if f"fix_{axis}" in own:
+        if f"fix_{axis}" in fields:
             b.fix(node, axis)
     for when, increment in (("_initial", False), ("", True)):
         for axis in AXES:
-            value = own.get(f"displ{when}_{axis}")
+            value = fields.get(f"displ{when}_{axis}")
             if value is not None:
                 b.prescribe(node, axis, 0.0 if bare else value, increment=increment)
-    for name, (axis, value) in rotations(own).items():
+    for name, (axis, value) in rotations(fields).items():
         # One axis given by its letter leaves the tilt free, as in the predecessor; "rot" holds the tilt.
         if axis in AXES:
             about, angle, tilt = np.eye(3)[AXES.index(axis)], value, "free"
@@ -219,18 +231,18 @@ def _support(b: Builder, node: str, own: dict[str, Any], bare: bool) -> None:
         b.prescribe(node, "rotation", angle, axis=list(about), tilt=tilt, increment="initial" not in name)
 
 
-def _load(b: Builder, node: str, own: dict[str, Any]) -> None:
-    if acts(own.get("mass")):
-        b.mass(node, own["mass"])
-    if acts(own.get("mominertia")):
-        b.inertia(node, own["mominertia"])
+def _load(b: Builder, node: str, fields: dict[str, Any]) -> None:
+    if acts(fields.get("mass")):
+        b.mass(node, fields["mass"])
+    if acts(fields.get("mominertia")):
+        b.inertia(node, fields["mominertia"])
     for when, increment in (("_initial", False), ("", True)):
-        if acts(own.get(f"force{when}")):
-            b.force(node, list(own[f"force{when}"]), increment=increment)
-        if acts(own.get(f"moment{when}")):
-            b.moment(node, own[f"moment{when}"], increment=increment)
-    for word in (w for w in INPUTS if w in own.get("transfer_in", ())):
+        if acts(fields.get(f"force{when}")):
+            b.force(node, list(fields[f"force{when}"]), increment=increment)
+        if acts(fields.get(f"moment{when}")):
+            b.moment(node, fields[f"moment{when}"], increment=increment)
+    for word in (w for w in INPUTS if w in fields.get("transfer_in", ())):
         b.input(node, word[-1], name=f"{word.replace('_', '-')} {node}")
-    for word in (w for w in OUTPUTS if w in own.get("transfer_out", ())):
+    for word in (w for w in OUTPUTS if w in fields.get("transfer_out", ())):
         quantity = "position" if word.startswith("displ") else "velocity"
         b.output(node, word[-1], quantity, name=f"{word.replace('_', '-')} {node}")

@@ -18,7 +18,7 @@ from ..linear.stress import Stress, has_stress, stress
 from ..math.rotation import initial_frame, rotation_matrix
 from ..model.model import Model
 from ..numerical_limits import LARGEST_MULTIPLIER
-from .light_fields import Script, value_of
+from .light_fields import Script, field_value
 from .light_model import Releases, beam_names, node_name
 
 if TYPE_CHECKING:
@@ -61,18 +61,18 @@ class LightResults(Result):
         self.load_factors = np.reshape(np.asarray(load_factors, float), (-1, 2)).T
         self.linearizations: Sequence[Linearization] = linearizations
         self.statespace: control.StateSpace | None = None
-        self._spectra = [spectrum(lin) for lin in linearizations]
+        self._spectra = [light_spectrum(lin) for lin in linearizations]
         self.freq = _columns([hertz for hertz, _ in self._spectra], self.ndof)
         self._stresses = _stresses(linearizations)
         self.stressmax = None
         if self._stresses is not None:
-            self.stressmax = np.array([float(found.maximum) for found in self._stresses])
+            self.stressmax = np.array([float(results.maximum) for results in self._stresses])
         self.buck = None
         if script.opt.get("calcbuck"):
-            found = [
+            results = [
                 multipliers_about(lin.model.topology, lin.model.parameters, lin.matrices) for lin in linearizations
             ]
-            self.buck = _columns(found, self.ndof)
+            self.buck = _columns(results, self.ndof)
             self.buck[np.abs(self.buck) > LARGEST_MULTIPLIER] = np.inf
 
     def summary(self) -> Summary:
@@ -134,7 +134,7 @@ def _stresses(linearizations: Sequence[Linearization]) -> list[Stress] | None:
     return [stress(lin.model, at=lin) for lin in linearizations] if has_stress(model) else None
 
 
-def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
+def light_spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
     """Frequencies and mode shapes, also if moments make the stiffness unsymmetric.
 
     Frequencies have the sign of the eigenvalue's real part, infinite without mass, (ndof,) [Hz]. Shapes in the degrees
@@ -143,8 +143,8 @@ def spectrum(lin: Linearization) -> tuple[np.ndarray, np.ndarray]:
     n = lin.matrices.M0.shape[0]
     hertz, shapes = np.full(n, np.inf), np.zeros((n, n))
     if lin.matrices.symmetric:
-        found = modes(lin)
-        values, vectors = np.asarray(found.frequencies), np.asarray(found.q_shapes)
+        eigenmodes = modes(lin)
+        values, vectors = np.asarray(eigenmodes.frequencies), np.asarray(eigenmodes.q_shapes)
     else:
         mass = np.asarray(lin.matrices.M0)
         eigenvalues, vectors = general_spectrum(np.asarray(lin.matrices.K), mass)
@@ -179,8 +179,8 @@ class LightNode(_Numbered):
         """Name in the Builder."""
         return node_name(self.number)
 
-    def _values(self, quantity: str, of: str) -> np.ndarray:
-        return self._light.values(quantity)[:, self._light.model.labels.known(of)]
+    def _values(self, quantity: str, part: str) -> np.ndarray:
+        return self._light.values(quantity)[:, self._light.model.labels.known(part)]
 
     @property
     def p(self) -> np.ndarray:
@@ -219,8 +219,8 @@ class LightNode(_Numbered):
         # The moment of a prescribed rotation acts on the frame of its hinge. Neither this frame nor a FIXED rotation
         # ever turns: the forces dual to its Euler parameters are (0, 2 M).
         parts = [f"{self.name}.rotation", f"frame of {self.name}"]
-        held = [part for part in parts if self._light.model.labels.coordinates(part)]
-        return self._at(np.sum([self._values("reactions", part)[:, 1:] for part in held], axis=0) / 2)
+        existing = [part for part in parts if self._light.model.labels.coordinates(part)]
+        return self._at(np.sum([self._values("reactions", part)[:, 1:] for part in existing], axis=0) / 2)
 
     @property
     def CMglob(self) -> np.ndarray | None:
@@ -233,11 +233,11 @@ class LightNode(_Numbered):
         return self._compliance(True)
 
     def _compliance(self, local: bool) -> np.ndarray | None:
-        if not value_of(self._light.script.opt, "opt", "calccompl"):
+        if not field_value(self._light.script.opt, "opt", "calccompl"):
             return None
         lins = self._light.linearizations if self._step is None else [self._light.linearizations[self._step]]
-        found = [np.asarray(compliance(lin, self.name, local=local)) for lin in lins]
-        return found[0] if self._step is not None else np.stack(found, axis=-1)
+        compliances = [np.asarray(compliance(lin, self.name, local=local)) for lin in lins]
+        return compliances[0] if self._step is not None else np.stack(compliances, axis=-1)
 
 
 class LightElement(_Numbered):
@@ -283,8 +283,8 @@ class LightElement(_Numbered):
         if every is None:
             return None
         rows = [i for i, name in enumerate(every[0].names) if name in self.names]
-        found = [np.max(np.asarray(step.by_element)[rows], initial=0.0) for step in every]
-        return self._at(np.array(found))
+        largest = [np.max(np.asarray(step.by_element)[rows], initial=0.0) for step in every]
+        return self._at(np.array(largest))
 
 
 class LightStep:

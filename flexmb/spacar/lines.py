@@ -14,9 +14,9 @@ from typing import Any
 import jax.core
 import numpy as np
 
-from ..errors import SpacarError, clean
+from ..errors import SpacarError, printable
 from ..files import LARGEST_FILE, read_whole
-from .arithmetic import value_of
+from .arithmetic import arithmetic_result
 
 KINEMATICS, DYNAMICS, SIGNALS, DRAWING = "kinematics", "dynamics", "inputs and outputs", "visualization"
 BLOCKS = (KINEMATICS, DYNAMICS, SIGNALS)
@@ -64,9 +64,9 @@ class Placeholder(str):
     def value(self) -> Any:
         """The number, which may be traced."""
         try:
-            return value_of(self[1:-1], self.numbers)
+            return arithmetic_result(self[1:-1], self.numbers)
         except ValueError as fault:
-            raise Fault(f"'{clean(self)}' {fault}") from None
+            raise Fault(f"'{printable(self)}' {fault}") from None
 
 
 def known(value: Any) -> bool:
@@ -111,7 +111,7 @@ def placeholders(found: Iterable[Statement]) -> tuple[str, ...]:
 
 def read_text(path: str | os.PathLike) -> str:
     """Text of a file in UTF-8 or Latin-1; SpacarError for another encoding or too large a file."""
-    name = clean(Path(path).name)
+    name = printable(Path(path).name)
     try:
         content = read_whole(path)
     except OSError as fault:
@@ -134,13 +134,13 @@ def read_text(path: str | os.PathLike) -> str:
 
 def _words(line: str, numbers: Mapping[str, Any]) -> list[str]:
     """Words of a line, with words in braces as placeholders."""
-    found: list[str] = []
+    words: list[str] = []
     for word in _WORD.findall(line):
         if word[0] == "{" and word.find("}") == len(word) - 1:
             word = Placeholder(word)
             word.numbers = numbers
-        found.append(word)
-    return found
+        words.append(word)
+    return words
 
 
 def statements(text: str, numbers: Mapping[str, Any] | None = None) -> Iterator[Statement]:
@@ -187,57 +187,57 @@ def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
     expected = f"expected: {keyword} {form}".rstrip()
     alternatives = form.split(" | ")
     groups = _groups(next((a for a in alternatives if len(a.split()) == len(words)), alternatives[-1]))
-    left, found = list(words), {}
+    remaining, by_name = list(words), {}
     for group in groups:
         size = len(group.names)
-        if len(left) < size or not left:
+        if len(remaining) < size or not remaining:
             if group.required:
                 raise Fault(f"too few parameters ({len(words)}); {expected}")
             continue
         if group.repeats:
-            found[group.names[0]], left = left, []
+            by_name[group.names[0]], remaining = remaining, []
             continue
-        found |= zip(group.names, left, strict=False)
-        left = left[size:]
-    if left:
+        by_name |= zip(group.names, remaining, strict=False)
+        remaining = remaining[size:]
+    if remaining:
         most = sum(len(group.names) for group in groups)
-        what = "too many parameters" if len(words) > most else "not all parameters of a group"
-        raise Fault(f"{what} ({len(words)}); {expected}")
-    return {name: _value(name, given, expected) for name, given in found.items()}
+        problem = "too many parameters" if len(words) > most else "not all parameters of a group"
+        raise Fault(f"{problem} ({len(words)}); {expected}")
+    return {name: _value(name, text, expected) for name, text in by_name.items()}
 
 
-def _value(name: str, given: Any, expected: str) -> Any:
-    if isinstance(given, list):
-        return [_value(name, word, expected) for word in given]
+def _value(name: str, text: Any, expected: str) -> Any:
+    if isinstance(text, list):
+        return [_value(name, word, expected) for word in text]
     if name in TEXT:
-        return given
-    if name == "component" and given.lower() in AXES:
-        return given.lower()
+        return text
+    if name == "component" and text.lower() in AXES:
+        return text.lower()
     if name in WHOLE:
-        if not _WHOLE.fullmatch(given) or int(given) < WHOLE[name]:
-            to = f" to {MOST}" if _WHOLE.match(given) and len(given) > 9 else ""
-            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{clean(given)}'; {expected}")
-        return int(given)
-    if isinstance(given, Placeholder):
-        value = given.value()
+        if not _WHOLE.fullmatch(text) or int(text) < WHOLE[name]:
+            to = f" to {MOST}" if _WHOLE.match(text) and len(text) > 9 else ""
+            raise Fault(f"{name} must be a whole number from {WHOLE[name]}{to}, but is '{printable(text)}'; {expected}")
+        return int(text)
+    if isinstance(text, Placeholder):
+        value = text.value()
         if isinstance(value, complex):
-            raise Fault(f"{name} must be a real number, but '{clean(given)}' is {value}; {expected}")
+            raise Fault(f"{name} must be a real number, but '{printable(text)}' is {value}; {expected}")
         if not known(value):
             return value
-    elif _NOT_FINITE.fullmatch(given):
-        raise Fault(f"{name} must be a finite number, but is '{given}'; {expected}")
-    elif not _REAL.fullmatch(given):
-        raise Fault(f"{name} must be a number, but is '{clean(given)}'; {expected}")
+    elif _NOT_FINITE.fullmatch(text):
+        raise Fault(f"{name} must be a finite number, but is '{text}'; {expected}")
+    elif not _REAL.fullmatch(text):
+        raise Fault(f"{name} must be a number, but is '{printable(text)}'; {expected}")
     else:
-        value = float(given.lower().replace("d", "e"))
+        value = float(text.lower().replace("d", "e"))
     if math.isnan(value) or abs(value) > LARGEST:
         too = "no number" if math.isnan(value) else f"too large: at most {LARGEST:g} is taken"
-        raise Fault(f"{name} must be a finite number, but '{clean(given)}' is {too}; {expected}")
-    if abs(value) < SMALLEST and not _is_zero(given, value):
-        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{clean(given)}'; {expected}")
+        raise Fault(f"{name} must be a finite number, but '{printable(text)}' is {too}; {expected}")
+    if abs(value) < SMALLEST and not _is_zero(text, value):
+        raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{printable(text)}'; {expected}")
     return value
 
 
-def _is_zero(given: str, value: float) -> bool:
+def _is_zero(text: str, value: float) -> bool:
     """Whether a number is written as zero; numbers too small for a double have become zero too."""
-    return value == 0 and (isinstance(given, Placeholder) or not _DIGIT.search(re.split("[eEdD]", given)[0]))
+    return value == 0 and (isinstance(text, Placeholder) or not _DIGIT.search(re.split("[eEdD]", text)[0]))

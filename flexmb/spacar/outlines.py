@@ -12,7 +12,7 @@ import numpy as np
 
 from ..elements.section import Material, Rigidity, Section
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Tube
-from ..errors import clean
+from ..errors import printable
 from ..numerical_limits import SIZES_ALIKE
 from .lines import DRAWING, Fault, Statement, known, parse
 from .reading import AlreadyReported, Reading
@@ -27,10 +27,10 @@ COUNTS = {"rect": 2, "recthol": 4, "circ": 1, "circhol": 2, "line": 0}
 def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
     """Act on the lines with sizes once elements are declared; they no longer cause a warning."""
     effective: list[Statement] = []
-    kept = list(r.drawn)
+    unchanged = list(r.drawn)
     for group in _groups(r.drawn):
         try:
-            used, whole = _take_group(r, group)
+            used, complete = _take_group(r, group)
         except AlreadyReported:
             continue
         except Fault as fault:
@@ -38,10 +38,10 @@ def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
             continue
         effective += group.values() if used else ()
         # Lines about elements without use for them, such as rigid ones, are kept unchanged.
-        kept = [s for s in kept if not (whole and s in group.values())]
+        unchanged = [s for s in unchanged if not (complete and s in group.values())]
     if effective:
         r.drawn = _without_title([s for s in r.drawn if s not in effective])
-        if lines := [s.raw for s in _without_title(kept)]:
+        if lines := [s.raw for s in _without_title(unchanged)]:
             r.settings[TITLE] = lines
         else:
             del r.settings[TITLE]
@@ -54,24 +54,24 @@ def _without_title(drawn: list[Statement]) -> list[Statement]:
 
 def _groups(drawn: list[Statement]) -> list[dict[str, Statement]]:
     """BEAMPROPS with the CROSSTYPE and the CROSSDIM after it, if both exist."""
-    found: list[dict[str, Statement]] = []
+    groups: list[dict[str, Statement]] = []
     open_group: dict[str, Statement] = {}
     for s in drawn:
         if s.keyword == PROPS:
             open_group = {PROPS: s}
-            found.append(open_group)
+            groups.append(open_group)
         elif s.keyword in (TYPE, SIZES) and s.keyword not in open_group:
             open_group[s.keyword] = s
         else:
             open_group = {}
-    return [group for group in found if TYPE in group and (SIZES in group or group[TYPE].words == ("line",))]
+    return [group for group in groups if TYPE in group and (SIZES in group or group[TYPE].words == ("line",))]
 
 
 def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
     """Note the outlines of the named elements; whether one of them uses it, and whether all do."""
     kind = parse(TYPE, "name", group[TYPE].words)["name"].lower()
     if kind not in COUNTS:
-        raise Fault(f"{TYPE} must be one of {', '.join(COUNTS)}, but is '{clean(kind)}'")
+        raise Fault(f"{TYPE} must be one of {', '.join(COUNTS)}, but is '{printable(kind)}'")
     numbers = parse(PROPS, "element ...", group[PROPS].words)["element"]
     sizes = parse(SIZES, "value ...", group[SIZES].words)["value"] if COUNTS[kind] else []
     if len(sizes) != COUNTS[kind]:
@@ -106,7 +106,7 @@ def of_sizes(kind: str, sizes: list[Any]) -> Section:
     return Tube(outer, (outer - inner) / 2, NONE)
 
 
-def sizes_of(section: Section) -> tuple[str, list[Any]] | None:
+def outline_sizes(section: Section) -> tuple[str, list[Any]] | None:
     """Type and sizes of a section with an outline; None for another section."""
     outline: Any = section.outline if isinstance(section, Rigidity) else section
     if isinstance(outline, Rectangle):

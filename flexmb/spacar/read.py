@@ -19,7 +19,7 @@ from ..build.description import Member
 from ..compilation.compile import unguarded
 from ..display import Result, Summary, listed
 from ..elements import spatial
-from ..errors import ModelError, SpacarError, clean, heard
+from ..errors import ModelError, SpacarError, heard, printable
 from ..model.roles import Role
 from . import actions as act
 from . import outlines, trajectories
@@ -103,16 +103,16 @@ def read_spacar(
     faults = _Faults()
     r = Reading(dict(callables or {}))
     # A placeholder without names, such as "{2*pi}", needs no numbers.
-    found: list[Statement] = []
+    read_statements: list[Statement] = []
     with contextlib.suppress(_Enough):
-        _read(r, statements(text, numbers or {}), found, faults)
+        _read(r, statements(text, numbers or {}), read_statements, faults)
     if faults:
         more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
         raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
     warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
-    parameters = placeholders(found)
+    parameters = placeholders(read_statements)
     warnings += [
-        f"{name}: parameter '{clean(n)}' does not occur in the file" for n in numbers or {} if n not in parameters
+        f"{name}: parameter '{printable(n)}' does not occur in the file" for n in numbers or {} if n not in parameters
     ]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 
@@ -120,22 +120,26 @@ def read_spacar(
 def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -> None:
     for name, value in callables.items():
         if not callable(value):
-            raise TypeError(f"Argument `callables`: '{clean(name)}' must be a function, but is {clean(value)}.")
+            raise TypeError(f"Argument `callables`: '{printable(name)}' must be a function, but is {printable(value)}.")
     if "pi" in numbers:
         raise ValueError("Argument `numbers`: 'pi' is 3.14159.. in every file; give the parameter another name.")
     for name, value in numbers.items():
         scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
         if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
-            raise TypeError(f"Argument `numbers`: '{clean(name)}' must be a real number, but is {clean(value)}.")
+            raise TypeError(
+                f"Argument `numbers`: '{printable(name)}' must be a real number, but is {printable(value)}."
+            )
         if known(value) and not np.isfinite(float(value)):
-            raise ValueError(f"Argument `numbers`: '{clean(name)}' must be a finite number, but is {clean(value)}.")
+            raise ValueError(
+                f"Argument `numbers`: '{printable(name)}' must be a finite number, but is {printable(value)}."
+            )
 
 
 def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
     """Name and text of a file."""
     if isinstance(path_or_text, str) and (set("\r\n") & set(path_or_text) or not path_or_text.strip()):
         return "text", path_or_text.removeprefix("\ufeff")
-    return clean(Path(path_or_text).name), read_text(path_or_text)
+    return printable(Path(path_or_text).name), read_text(path_or_text)
 
 
 class _Enough(Exception):
@@ -151,9 +155,9 @@ class _Faults(list[tuple[int, str]]):
         if about == "number":
             about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
         if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
-            subject = f"{about} {clean(s.words[0])}"
+            subject = f"{about} {printable(s.words[0])}"
             text = f"{subject}: {text.removeprefix(subject).lstrip()}"
-        self.append((s.line, f"{clean(s.keyword)}: {text}"))
+        self.append((s.line, f"{printable(s.keyword)}: {text}"))
         if len(self) >= MOST_FAULTS:
             raise _Enough
 
@@ -168,7 +172,7 @@ def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults
     _run(r, placed, APPLY, faults)
     _connect_signals(r, faults)
     if not faults:
-        trajectories.check(r, faults.blame)
+        trajectories.check_trajectories(r, faults.blame)
     if not faults:
         _check_clamps(r, faults)
     for number, declared in r.elements.items():
@@ -178,8 +182,8 @@ def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults
     _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
-        what = "has no element" if found else "is empty"
-        faults.append((1, f"file {what}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
+        problem = "has no element" if found else "is empty"
+        faults.append((1, f"file {problem}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
 
 
 class _Blocks:
@@ -199,7 +203,7 @@ class _Blocks:
                 self.faults.blame(s, str(fault), _form(s.keyword))
                 if _may_declare(s.keyword):
                     self.reading.excused |= s.numbers
-                if _near(s.keyword) == "SECTION":
+                if _similar_keyword(s.keyword) == "SECTION":
                     self.reading.unsized |= s.numbers
             else:
                 if row is not None:
@@ -257,7 +261,7 @@ def _form(keyword: str) -> str:
     return next((row.form for row in ROWS if row.keyword == keyword), "")
 
 
-def _near(keyword: str) -> str | None:
+def _similar_keyword(keyword: str) -> str | None:
     if len(keyword) > 2 * max(map(len, KEYWORDS)):
         return None
     return next(iter(difflib.get_close_matches(keyword, KEYWORDS, 1, 0.7)), None)
@@ -265,8 +269,8 @@ def _near(keyword: str) -> str | None:
 
 def _may_declare(keyword: str) -> bool:
     """Whether a faulty line may have been one that introduces nodes and elements."""
-    near = _near(keyword)
-    return near is None or near in REFUSED or near in {kind.keyword for kind in KINDS}
+    similar = _similar_keyword(keyword)
+    return similar is None or similar in REFUSED or similar in {kind.keyword for kind in KINDS}
 
 
 def _row(s: Statement, block: str) -> Row:
@@ -274,8 +278,8 @@ def _row(s: Statement, block: str) -> Row:
         return TABLE[s.keyword, block]
     if homes := _homes(s.keyword):
         raise Fault(f"belongs in the {homes[0]} block, but is in the {block} block; END, HALT separate the blocks")
-    near = _near(s.keyword)
-    raise Fault("unknown keyword" + (f"; did you mean {near}?" if near else ""))
+    similar = _similar_keyword(s.keyword)
+    raise Fault("unknown keyword" + (f"; did you mean {similar}?" if similar else ""))
 
 
 def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _Faults) -> None:
@@ -343,17 +347,17 @@ def _names_of_nodes(r: Reading, declared: Declared) -> list[str]:
     names = [str(n) for n in declared.nodes]
     if not declared.kind.sized or declared.kind.dimension == 2:
         return names
-    found = []
+    node_names = []
     for name, node in zip(names, declared.nodes, strict=True):
-        found.append(name)
+        node_names.append(name)
         if r.nodes[node][0].part == "rotation":
             beams = [d.nodes for d in r.elements.values() if d.kind.warps and node in d.nodes]
             shared = sorted({nodes[nodes.index(node) + 1] for nodes in beams})
             if len(shared) > 1:
                 several = listed([str(n) for n in shared])
                 raise Fault(f"shares the warping of node {node}, where BEAMW names several: {several}")
-            found.append(str(shared[0]) if shared else f"{name}.warping")
-    return found
+            node_names.append(str(shared[0]) if shared else f"{name}.warping")
+    return node_names
 
 
 def _check_rigid(r: Reading, declared: Declared) -> None:
@@ -381,19 +385,19 @@ def _check_clamps(r: Reading, faults: _Faults) -> None:
 def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[str, Any]) -> Iterator[str]:
     """Warnings of an element that is rigid despite its lines, or that lacks stiffness."""
     rigid = all(role is Role.FIXED for role in member.roles)
-    given = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in lines]
+    words = [keyword for keyword in ("ESTIFF", "EDAMP") if keyword in lines]
     if kind.element is spatial.screw and member.roles[1] is Role.FIXED:
         yield f"the turn of screw {number}, deformation 2, is fixed; release it by RLSE, DYNE or INPUTE"
     if kind.sized and all(member.roles[n - 1] is Role.FIXED for field in member.element.fields for n in field):
         numbers = " ".join(map(str, range(1, series.closure(member.element) + 1)))
         yield f"element {number} is rigid: RLSE {number} {numbers} makes it a leaf spring that deforms freely"
     free = any(role in (Role.DEPENDENT, Role.DOF) for role in member.roles)
-    if free and "EM" in lines and kind.stiffness and "ESTIFF" not in given:
+    if free and "EM" in lines and kind.stiffness and "ESTIFF" not in words:
         yield f"element {number} has mass and free deformations, but no ESTIFF: it has no stiffness"
-    if given and rigid:
+    if words and rigid:
         numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
         yield (
-            f"{' and '.join(given)} of element {number} change{'s' * (len(given) == 1)} nothing: the element is rigid;"
+            f"{' and '.join(words)} of element {number} change{'s' * (len(words) == 1)} nothing: the element is rigid;"
             f" RLSE {number} {numbers} lets it deform"
         )
 
@@ -412,7 +416,7 @@ def _warn_of_expansion(r: Reading) -> None:
 def _warn_of_drawing(r: Reading) -> None:
     """Warn once of all lines for drawing."""
     if r.drawn:
-        named = [f"{clean(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
+        named = [f"{printable(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
         text = f"drawing keywords are stored in settings and have no effect on results: {', '.join(named)}"
         r.warnings.append((r.drawn[0], text))

@@ -131,7 +131,7 @@ class Reading:
             return self.nodes[number][0]
         if number in self.excused:
             raise AlreadyReported
-        raise Fault(f"node {number} is in no element; a node exists if an element names it ({_listed(self.nodes)})")
+        raise Fault(f"node {number} is in no element; a node exists if an element names it ({_existing(self.nodes)})")
 
     def declared(self, number: int) -> Declared:
         """An element by its number."""
@@ -139,7 +139,7 @@ class Reading:
             return self.elements[number]
         if number in self.excused:
             raise AlreadyReported
-        raise Fault(f"there is no element {number} ({_listed(self.elements)})")
+        raise Fault(f"there is no element {number} ({_existing(self.elements)})")
 
     def entries(self, of: int, components: list[int], kind: str) -> list[Role]:
         """Roles of existing coordinates of a node, or deformations of an element."""
@@ -151,17 +151,23 @@ class Reading:
             owner = self.builder.members.get(str(of))
         if owner is None:
             raise AlreadyReported
-        what = "coordinates" if kind == "node" else "deformations"
+        plural = "coordinates" if kind == "node" else "deformations"
         for component in components:
             if component > len(owner.roles):
-                raise Fault(f"{what[:-1]} {component} is out of range: {kind} {of} has {what} 1 to {len(owner.roles)}")
+                raise Fault(
+                    f"{plural[:-1]} {component} is out of range: {kind} {of} has {plural} 1 to {len(owner.roles)}"
+                )
         return [owner.roles[c - 1] for c in components]
 
     def meant(self, of: int, component: int, kind: str) -> tuple[int, ...]:
         """Coordinates or deformations of a number: a whole strain field of a spectral beam."""
         self.entries(of, [component], kind)
         self.not_warping(of, component, kind)
-        return (component,) if kind == "node" else series.meant(self.builder.members[str(of)].element, component)
+        return (
+            (component,)
+            if kind == "node"
+            else series.deformations_meant(self.builder.members[str(of)].element, component)
+        )
 
     def not_warping(self, of: int, component: int, kind: str) -> None:
         """Refuse a value or a role for the warping of a leaf spring's end."""
@@ -190,10 +196,10 @@ class Reading:
         if self.entries(of, [component], kind) != [role]:
             letter = "X" if kind == "node" else "E"
             keyword = f"INPUT{letter}" if role is Role.PRESCRIBED else f"DYN{letter}"
-            what = "coordinate" if kind == "node" else "deformation"
-            wanted = "prescribed" if role is Role.PRESCRIBED else "a degree of freedom"
-            raise Fault(f"{what} {component} is not {wanted}: name it with {keyword} in the kinematics block")
+            noun = "coordinate" if kind == "node" else "deformation"
+            expected = "prescribed" if role is Role.PRESCRIBED else "a degree of freedom"
+            raise Fault(f"{noun} {component} is not {expected}: name it with {keyword} in the kinematics block")
 
 
-def _listed(numbers: Collection[int]) -> str:
+def _existing(numbers: Collection[int]) -> str:
     return f"there are: {among(map(str, sorted(numbers)))}" if numbers else "there are none"

@@ -38,7 +38,7 @@ def _dimension(element: Element) -> int:
     return next(iter(element.nodes.values())).dimension
 
 
-def meant(element: Element, number: int) -> tuple[int, ...]:
+def deformations_meant(element: Element, number: int) -> tuple[int, ...]:
     """Deformations of a number in a file."""
     if number > closure(element):
         return (number,)
@@ -48,18 +48,25 @@ def meant(element: Element, number: int) -> tuple[int, ...]:
 
 def shortened(element: Element, numbers: list[int]) -> list[int]:
     """Numbers in a file for some deformations in their order, with whole fields under the beam's numbers."""
-    found, left = [], list(numbers)
+    short, remaining = [], list(numbers)
     beam = range(1, closure(element) + 1)
-    while left:
-        whole = next((n for n in beam if tuple(left[: len(meant(element, n))]) == meant(element, n)), None)
-        found.append(left[0] if whole is None else whole)
-        left = left[1 if whole is None else len(meant(element, whole)) :]
-    return found
+    while remaining:
+        field_number = next(
+            (
+                n
+                for n in beam
+                if tuple(remaining[: len(deformations_meant(element, n))]) == deformations_meant(element, n)
+            ),
+            None,
+        )
+        short.append(remaining[0] if field_number is None else field_number)
+        remaining = remaining[1 if field_number is None else len(deformations_meant(element, field_number)) :]
+    return short
 
 
-def arranged(element: Element, numbers: list[int]) -> list[int]:
+def in_whole_fields(element: Element, numbers: list[int]) -> list[int]:
     """Deformations in an order in which :func:`shortened` finds the whole fields."""
-    order = [n for k in range(1, closure(element) + 1) for n in meant(element, k)]
+    order = [n for k in range(1, closure(element) + 1) for n in deformations_meant(element, k)]
     return sorted(numbers, key=lambda n: order.index(n) if n in order else 0)
 
 
@@ -72,7 +79,7 @@ def resultants(element: Element, length: float, values: list[float]) -> dict[int
     return _spread(element, values, (length, length / 2, length / 6))
 
 
-def strains(element: Element, length: float, values: list[float]) -> dict[int, float]:
+def strain_coefficients(element: Element, length: float, values: list[float]) -> dict[int, float]:
     """Coefficients of the strains of a beam with deformations of EINIT, by number.
 
     Inverse of the integrals of :func:`resultants` for a curvature that is linear along the beam.
@@ -82,29 +89,29 @@ def strains(element: Element, length: float, values: list[float]) -> dict[int, f
 
 def _spread(element: Element, values: list[float], factors: tuple[float, float, float]) -> dict[int, float]:
     twist, mean, slope = factors
-    own = dict(enumerate(values, 1))
-    found = {n: v for n, v in own.items() if n > closure(element)}
+    by_number = dict(enumerate(values, 1))
+    spread_values = {n: v for n, v in by_number.items() if n > closure(element)}
 
     def add(number: int, value: float):
-        found[number] = found.get(number, 0.0) + value
+        spread_values[number] = spread_values.get(number, 0.0) + value
 
     fields, dimension = element.fields, _dimension(element)
-    add(fields[0][0], own.get(1, 0.0))
+    add(fields[0][0], by_number.get(1, 0.0))
     if dimension == 3:
-        add(fields[1][0], twist * own.get(2, 0.0))
+        add(fields[1][0], twist * by_number.get(2, 0.0))
     for k, at_p, sign in _BENDINGS[dimension]:
-        p, q = own.get(at_p, 0.0), own.get(at_p + 1, 0.0)
+        p, q = by_number.get(at_p, 0.0), by_number.get(at_p + 1, 0.0)
         add(fields[k][0], sign * mean * (p + q))
         if len(fields[k]) > 1:
             add(fields[k][1], sign * slope * (q - p))
         elif known(p - q) and not math.isclose(p, q):
             raise ValueError(f"values {at_p} and {at_p + 1} differ: bending that varies needs p of at least 2")
-    return {n: v for n, v in found.items() if not known(v) or v != 0}
+    return {n: v for n, v in spread_values.items() if not known(v) or v != 0}
 
 
-def described(element: Element) -> str:
+def meaning_of_deformations(element: Element) -> str:
     """Meaning of the deformations, for the log."""
     names = FIELDS[_dimension(element)]
-    parts = [f"{name} {own[0]} to {own[-1]}" for name, own in zip(names, element.fields, strict=False)]
-    ends = [f"warping {' and '.join(map(str, own))}"] if (own := warping(element)) else []
+    parts = [f"{name} {indices[0]} to {indices[-1]}" for name, indices in zip(names, element.fields, strict=False)]
+    ends = [f"warping {' and '.join(map(str, indices))}"] if (indices := warping(element)) else []
     return ", ".join([f"closure 1 to {closure(element)}", *ends, *parts])

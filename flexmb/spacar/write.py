@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.assemble import stack
 from ..build.builder import Builder
-from ..build.clamps import parts_of, with_clamps
+from ..build.clamps import nodes_of_kind, with_clamps
 from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
@@ -31,7 +31,7 @@ from .kinds import KINDS, NOTHING, ElementKind
 from .lines import DRAWING, MOST, known
 from .read import SpacarModel
 from .trajectories import keyword_of
-from .written import WrittenLine, is_zero, line_of, numbers_of, one_of, text_of, trimmed
+from .written import WrittenLine, flat_numbers, is_zero, line_of, line_text, number_for_line, trimmed
 
 # Elements that become lines of a node, by their property.
 _LUMPED = {
@@ -62,7 +62,7 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     if not isinstance(builder, Builder):
         raise ModelError(f"write_spacar needs a Builder or a result of read_spacar, not {type(model).__name__}.")
     settings = {} if isinstance(model, Builder) else model.settings
-    write_whole(path, ("\n".join(map(text_of, lines_of(builder, settings))) + "\n").encode())
+    write_whole(path, ("\n".join(map(line_text, lines_of(builder, settings))) + "\n").encode())
 
 
 def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = None) -> list[WrittenLine | str]:
@@ -76,18 +76,18 @@ def lines_of(builder: Builder, settings: dict[str, Any], like: Builder | None = 
 def _numbered(names: list[str]) -> dict[str, int]:
     """Number of each name: the name itself if it is a number, otherwise the next free one."""
     numbers = {name: int(name) for name in names if re.fullmatch("[1-9][0-9]{0,8}", name)}
-    taken, last = set(numbers.values()), max(numbers.values(), default=0)
-    free = (n for n in itertools.chain(range(last + 1, MOST + 1), itertools.count(1)) if n not in taken)
+    used, last = set(numbers.values()), max(numbers.values(), default=0)
+    free = (n for n in itertools.chain(range(last + 1, MOST + 1), itertools.count(1)) if n not in used)
     return {name: numbers[name] if name in numbers else next(free) for name in names}
 
 
-def told_in_no_element(node: str) -> str:
+def no_element_message(node: str) -> str:
     """Message about a node that no element joins."""
     return f"Node '{node}' is in no element. A SPACAR input file cannot contain it."
 
 
-def _inexpressible(what: str, instead: str = "") -> ModelError:
-    return ModelError(f"{what}, which a SPACAR input file cannot express{instead}.")
+def _inexpressible(label: str, instead: str = "") -> ModelError:
+    return ModelError(f"{label}, which a SPACAR input file cannot express{instead}.")
 
 
 class _Nodes(dict[str, int]):
@@ -112,7 +112,7 @@ class _Writer:
         self.builder, self.settings = builder, settings
         self.concrete = like or builder
         self.rigidities: dict[int, Any] = {}
-        self.warmed = {of for own in builder.loads.values() for _, of, _ in own.get("temperature", {})}
+        self.warmed = {owner for loads in builder.loads.values() for _, owner, _ in loads.get("temperature", {})}
         self.shown = {name: m for name, m in builder.members.items() if not m.hidden}
         self.hidden = [m for m in builder.members.values() if m.hidden]
         self.kinds = {name: self._kind(name, m) for name, m in self.shown.items()}
@@ -136,14 +136,16 @@ class _Writer:
     def _outlines(self, drawn: list[str]) -> list[WrittenLine]:
         """Sizes of cross-sections, without elements whose lines are kept unchanged."""
         words = [line.split() for line in drawn]
-        there = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
+        existing = {word for first, *rest in words if first.upper() == outlines.PROPS for word in rest}
         groups: dict[tuple, tuple[Any, list[int]]] = {}
         for name, m in self.shown.items():
             section, number = m.properties.get("section"), self.element[name]
-            found = None if section is None or "EA" not in self.kinds[name].stiffness else outlines.sizes_of(section)
-            if found is not None and str(number) not in there:
-                sizes = [one_of(size) for size in found[1]]
-                key = (found[0], *(size if known(size) else id(section) for size in sizes))
+            outline = (
+                None if section is None or "EA" not in self.kinds[name].stiffness else outlines.outline_sizes(section)
+            )
+            if outline is not None and str(number) not in existing:
+                sizes = [number_for_line(size) for size in outline[1]]
+                key = (outline[0], *(size if known(size) else id(section) for size in sizes))
                 groups.setdefault(key, (sizes, []))[1].append(number)
         lines = []
         for (kind, *_), (sizes, numbers) in groups.items():
@@ -157,25 +159,25 @@ class _Writer:
         return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part in parts]
 
     def _kind(self, name: str, member: Member) -> ElementKind:
-        found = [kind for kind in KINDS if kind.stands_for(member.element)]
-        what = f"Element '{name}' ({member.element.name})"
-        if not found:
+        kinds = [kind for kind in KINDS if kind.stands_for(member.element)]
+        label = f"Element '{name}' ({member.element.name})"
+        if not kinds:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
             raise ModelError(
-                f"{what} has no keyword in a SPACAR input file. There are: {known}. Use a beam without section and"
+                f"{label} has no keyword in a SPACAR input file. There are: {known}. Use a beam without section and"
                 " without released deformations as a body that is clamped at both ends."
             )
         if member.element.options.get("second_order", True) is not True:
-            raise _inexpressible(f"{what} has second_order=False")
+            raise _inexpressible(f"{label} has second_order=False")
         if member.properties.get("curvature") is not None:
-            raise _inexpressible(f"{what} has an initial curvature")
+            raise _inexpressible(f"{label} has an initial curvature")
         if any(member.properties.get(key) is not None for key in ("skew", "clamp")):
-            raise _inexpressible(f"{what} has skew or elastic ends")
+            raise _inexpressible(f"{label} has skew or elastic ends")
         if member.element.fields:
-            return found[0]
+            return kinds[0]
         # The format calls a rigid beam without length a pinned body.
         p, q = (np.asarray(self.concrete.nodes[n].start, float) for n in (member.nodes[0], member.nodes[-1]))
-        return found[-1] if len(found) > 1 and np.array_equal(p, q) else found[0]
+        return kinds[-1] if len(kinds) > 1 and np.array_equal(p, q) else kinds[0]
 
     def _check(self) -> None:
         """Refuse everything that the format cannot express."""
@@ -191,36 +193,36 @@ class _Writer:
                     " a node in its centre, and join it by a rigid beam."
                 )
         for name, m in self.shown.items():
-            what, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
-            self._check_closure(what, name, m)
+            label, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
+            self._check_closure(label, name, m)
             if section is not None and section.varies:
-                raise _inexpressible(f"{what} has a section that varies along it")
+                raise _inexpressible(f"{label} has a section that varies along it")
             if isinstance(section, General):
-                raise _inexpressible(f"{what} has a section of general stiffness")
+                raise _inexpressible(f"{label} has a section of general stiffness")
             if section is not None and isinstance(m.properties.get("damping"), MaterialDamping):
-                self._check_damping(what, self.kinds[name], section)
+                self._check_damping(label, self.kinds[name], section)
             if self.kinds[name].sized:
-                self._check_leaf(what, m)
+                self._check_leaf(label, m)
         for name, node in self.builder.nodes.items():
             if name not in joined:
-                raise ModelError(told_in_no_element(name))
-            if node.kind.part == "rotation" and tuple(numbers_of(node.start)) != node.kind.start:
+                raise ModelError(no_element_message(name))
+            if node.kind.part == "rotation" and tuple(flat_numbers(node.start)) != node.kind.start:
                 raise _inexpressible(f"Node '{name}' starts turned")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
 
-    def _check_closure(self, what: str, name: str, m: Member) -> None:
+    def _check_closure(self, label: str, name: str, m: Member) -> None:
         """Refuse statements about the closure, whose numbers mean strain fields in a file, and about warping."""
         closed = range(1, series.closure(m.element) + 1)
         warping = series.warping(m.element)
-        given = [k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0]
+        loaded = [k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0]
         inputs, outputs = ([signal.key for signal in self.builder.signals[side]] for side in ("input", "output"))
-        values = [*given, *inputs, *outputs]
+        values = [*loaded, *inputs, *outputs]
         if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
-            raise _inexpressible(f"{what} has a role, a load or a signal at deformations 1 to {len(closed)} (closure)")
-        if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *given) for n in warping):
+            raise _inexpressible(f"{label} has a role, a load or a signal at deformations 1 to {len(closed)} (closure)")
+        if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *loaded) for n in warping):
             numbers = f"deformations {warping[0]} and {warping[-1]}"
-            raise _inexpressible(f"{what} has a role, a load or an input at its warping, {numbers}")
+            raise _inexpressible(f"{label} has a role, a load or an input at its warping, {numbers}")
 
     @staticmethod
     def _check_damping(what: str, kind: ElementKind, section: Section) -> None:
@@ -233,7 +235,7 @@ class _Writer:
             damped = f"{what} is damped by its material and its {' and its '.join(without)} too"
             raise _inexpressible(damped, ": give `damping`")
 
-    def _check_leaf(self, what: str, m: Member) -> None:
+    def _check_leaf(self, label: str, m: Member) -> None:
         """Refuse leaf springs that are no rectangle of one material, or whose warping belongs to other rotations."""
         section: Rectangle = m.properties["section"]
         material = section.material
@@ -245,27 +247,27 @@ class _Writer:
         extras += [] if section.rotary else ["no rotary inertia"]
         if extras:
             numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
-            raise _inexpressible(f"{what}: its section has {', '.join(extras)}", numbers)
-        for rotation, warping in zip(parts_of(m, "rotation"), parts_of(m, "warping"), strict=False):
+            raise _inexpressible(f"{label}: its section has {', '.join(extras)}", numbers)
+        for rotation, warping in zip(nodes_of_kind(m, "rotation"), nodes_of_kind(m, "warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
             shared = {nodes[nodes.index(rotation) + 1] for nodes in beams}
             if {warping} != (shared or {f"{rotation.removesuffix('.rotation')}.warping"}):
                 raise ModelError(
-                    f"{what} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has the warping of"
+                    f"{label} has the warping '{warping}' at '{rotation}'. In a SPACAR input file it has the warping of"
                     " the rotation, or the warping of all warping beams there."
                 )
 
     def _loads_of_deformations(self) -> list[list[dict]]:
         """Loads of each set without temperatures, which belong to whole elements."""
         sets = self.builder.loads.values()
-        return [[load for kind, load in own.items() if kind != "temperature"] for own in sets]
+        return [[load for kind, load in loads.items() if kind != "temperature"] for loads in sets]
 
     def _legend(self) -> list[str]:
         """Comments with names that are no numbers."""
-        both = (("node", self.node), ("element", self.element))
+        numberings = (("node", self.node), ("element", self.element))
         return [
-            f"% {what} {number}: {' '.join(name.split())}"
-            for what, numbers in both
+            f"% {kind} {number}: {' '.join(name.split())}"
+            for kind, numbers in numberings
             for name, number in numbers.items()
             if str(number) != name
         ]
@@ -278,8 +280,8 @@ class _Writer:
                 vector = self._across(m)
             nodes = [self.node[n] for n in self._named(name, m)]
             order = [len(m.element.fields[0])] if m.element.fields else []
-            across = [] if vector is None else numbers_of(vector)
-            others = [one_of(m.properties[prop]) for _, prop in self.kinds[name].numbers]
+            across = [] if vector is None else flat_numbers(vector)
+            others = [number_for_line(m.properties[prop]) for _, prop in self.kinds[name].numbers]
             lines.append(line_of(keyword, self.element[name], *nodes, *across, *others, *order))
             # FIX holds the ends of warping beams.
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
@@ -287,7 +289,7 @@ class _Writer:
         lines += clamps
         for name, node in self.builder.nodes.items():
             if node.kind.part == "position":
-                lines.append(line_of("X", self.node[name], *numbers_of(node.start)))
+                lines.append(line_of("X", self.node[name], *flat_numbers(node.start)))
         for name, node in self.builder.nodes.items():
             if name in self.node or any(role is not Role.DEPENDENT for role in node.roles):
                 roles = self.clamped.nodes[name].roles
@@ -296,16 +298,16 @@ class _Writer:
             keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
             lines += self._roles(self.element[name], m.roles, keywords, m.element)
         # One line each: their order is the order of q.
-        for (kind, of), numbers in self._dofs():
-            numbers = numbers if kind == "node" else series.shortened(self.shown[of].element, numbers)
-            letter, at = self._place(kind, of)
+        for (kind, owner), numbers in self._dofs():
+            numbers = numbers if kind == "node" else series.shortened(self.shown[owner].element, numbers)
+            letter, at = self._place(kind, owner)
             lines += [line_of(f"DYN{letter}", at, number) for number in numbers]
         return lines
 
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
         """Consecutive degrees of freedom of one node or element."""
         runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
-        return [(of, [number for *_, number in run]) for of, run in runs]
+        return [(owner, [number for *_, number in run]) for owner, run in runs]
 
     def _across(self, m: Member) -> np.ndarray:
         """Default local y of a beam that needs one in the format."""
@@ -321,11 +323,11 @@ class _Writer:
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
             if having:
-                whole = keyword == "FIX" and len(having) == len(roles)
+                all_fixed = keyword == "FIX" and len(having) == len(roles)
                 if element is not None and keyword == "RLSE":
                     having = [n for n in having if n not in element.measured]
-                    having = series.shortened(element, series.arranged(element, having))
-                lines += [line_of(keyword, number, *([] if whole else having))] if having else []
+                    having = series.shortened(element, series.in_whole_fields(element, having))
+                lines += [line_of(keyword, number, *([] if all_fixed else having))] if having else []
         return lines
 
     def _dynamics(self) -> list[WrittenLine]:
@@ -339,9 +341,9 @@ class _Writer:
         kind, number = self.kinds[name], self.element[name]
         lines: list[WrittenLine] = []
         if "stiffness" in kind.stiffness:
-            for keyword, given in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
-                if given is not None:
-                    values = numbers_of(given)
+            for keyword, value in (("ESTIFF", m.properties["stiffness"]), ("EDAMP", m.properties["damping"])):
+                if value is not None:
+                    values = flat_numbers(value)
                     values = values * (len(kind.stiffness) if len(values) == 1 else 1)
                     lines.append(line_of(keyword, number, *trimmed(values)))
             return lines
@@ -354,7 +356,8 @@ class _Writer:
             self.rigidities[id(section)] = s
             alpha = s.alpha if alpha is None else alpha
             stiffness, mass = (
-                [0.0 if n == NOTHING else one_of(getattr(s, n)) for n in names] for names in (kind.stiffness, kind.mass)
+                [0.0 if n == NOTHING else number_for_line(getattr(s, n)) for n in names]
+                for names in (kind.stiffness, kind.mass)
             )
             # The reader would warn that stiffness of a rigid body has no effect.
             idle = all(role is Role.FIXED for role in m.roles) and all(map(is_zero, stiffness))
@@ -363,11 +366,11 @@ class _Writer:
             lines += [line_of("EM", number, *trimmed(mass))] if heavy else []
         # The reader would warn that it has no effect on an element with constant temperature.
         if alpha is not None and name in self.warmed and not kind.sized and m.element.thermal is not None:
-            lines.append(line_of("ALPHA", number, one_of(alpha)))
+            lines.append(line_of("ALPHA", number, number_for_line(alpha)))
         if isinstance(damping, MaterialDamping):
             damping = damping.rigidities(section)
         if damping is not None:
-            values = [one_of(getattr(damping, n)) for n in kind.damping]
+            values = [number_for_line(getattr(damping, n)) for n in kind.damping]
             lines.append(line_of("EDAMP", number, *trimmed(values)))
         return lines
 
@@ -381,43 +384,43 @@ class _Writer:
             value, key = m.properties[names[0]], ("XM", m.nodes[0])
             if names == ["moment"]:
                 key = ("DELXF" if m.properties.get("incremental") else "XF"), m.nodes[0]
-                value = stack(numbers_of(value))
+                value = stack(flat_numbers(value))
             totals[key] = totals.get(key, 0.0) + (np.asarray(value, float) if known(value) else value)
             if names == ["mass"] and known(totals[key]) and totals[key] < 0:
                 raise ModelError(f"Node '{m.nodes[0]}' has a negative mass. A SPACAR input file cannot contain it.")
         moments_last = sorted(totals.items(), key=lambda item: item[0][0] != "XM")
-        return [line_of(keyword, self.node[n], *numbers_of(v)) for (keyword, n), v in moments_last]
+        return [line_of(keyword, self.node[n], *flat_numbers(v)) for (keyword, n), v in moments_last]
 
     def _loads(self, loads: dict[str, dict], prefix: str) -> list[WrittenLine]:
         lines = []
-        for of, values in _rows(loads.get("force", {})).items():
-            size = 4 if self.builder.nodes[of[1]].kind is ROTATION3 else 0
-            lines.append(line_of(f"{prefix}XF", self.node[of[1]], *_filled(values, size)))
+        for owner, values in _rows(loads.get("force", {})).items():
+            size = 4 if self.builder.nodes[owner[1]].kind is ROTATION3 else 0
+            lines.append(line_of(f"{prefix}XF", self.node[owner[1]], *_filled(values, size)))
         for load, keyword in (("prestress", f"{prefix}ESIG"), ("strain", "EINIT")):
-            for of, values in _rows(loads.get(load, {})).items():
-                lines.append(line_of(keyword, self.element[of[1]], *_filled(values)))
-        for (kind, of, number), value in loads.get("prescribed", {}).items():
-            start, (letter, at) = start_of(self.builder, kind, of, number), self._place(kind, of)
+            for owner, values in _rows(loads.get(load, {})).items():
+                lines.append(line_of(keyword, self.element[owner[1]], *_filled(values)))
+        for (kind, owner, number), value in loads.get("prescribed", {}).items():
+            start, (letter, at) = start_of(self.builder, kind, owner, number), self._place(kind, owner)
             if prefix:
                 lines.append(line_of(f"DELINP{letter}", at, number, value))
             else:
                 lines.append(line_of(f"INPUT{letter}", at, number, start + value, *self._rates(letter, at, number)))
-        for (_, of, _), (first, last, *across) in loads.get("temperature", {}).items():
-            bent = not all(map(is_zero, numbers_of(across)))
-            whole = first is last or (known(first) and known(last) and np.array_equal(first, last))
-            values = [first, last, *across] if bent else [first] if whole else [first, last]
-            lines.append(line_of(f"{prefix}TEMP", self.element[of], *numbers_of(values)))
+        for (_, owner, _), (first, last, *across) in loads.get("temperature", {}).items():
+            bent = not all(map(is_zero, flat_numbers(across)))
+            is_uniform = first is last or (known(first) and known(last) and np.array_equal(first, last))
+            values = [first, last, *across] if bent else [first] if is_uniform else [first, last]
+            lines.append(line_of(f"{prefix}TEMP", self.element[owner], *flat_numbers(values)))
         if "gravity" in loads:
             lines.append(line_of("GRAVITY", *loads["gravity"]["all"]))
         return lines
 
-    def _place(self, kind: str, of: str) -> tuple[str, int]:
+    def _place(self, kind: str, owner: str) -> tuple[str, int]:
         """Letter of keywords about a node or an element, and its number."""
-        return ("X", self.node[of]) if kind == "node" else ("E", self.element[of])
+        return ("X", self.node[owner]) if kind == "node" else ("E", self.element[owner])
 
-    def _rates(self, letter: str, of: int, number: int) -> list[float]:
-        given = self.settings.get(f"INPUT{letter}", [])
-        rates = next((g[3:] for g in given if g[:2] == (of, number)), ())
+    def _rates(self, letter: str, owner: int, number: int) -> list[float]:
+        motions = self.settings.get(f"INPUT{letter}", [])
+        rates = next((g[3:] for g in motions if g[:2] == (owner, number)), ())
         return list(rates) if any(rates) else []
 
     def _settings(self) -> list[WrittenLine]:
@@ -425,8 +428,8 @@ class _Writer:
         for keyword in ("ITERSTEP", "TIMESTEP", "ERROR"):
             if keyword in self.settings:
                 lines.append(line_of(keyword, *self.settings[keyword].values()))
-        for (kind, of, number), (value, velocity) in self.builder.starts.items():
-            start, (letter, at) = start_of(self.builder, kind, of, number), self._place(kind, of)
+        for (kind, owner, number), (value, velocity) in self.builder.starts.items():
+            start, (letter, at) = start_of(self.builder, kind, owner, number), self._place(kind, owner)
             lines.append(line_of(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
@@ -435,10 +438,10 @@ class _Writer:
     def _ways(self) -> list[WrittenLine]:
         """Lines of trajectories."""
         lines = []
-        for keyword, of in zip(trajectories.WAYS, (self.node, self.element), strict=True):
+        for keyword, numbers in zip(trajectories.WAYS, (self.node, self.element), strict=True):
             for way in self.settings.get(keyword, []):
                 times = way.start, way.end, way.value
-                lines.append(line_of(keyword, of[str(way.of)], way.component, *map(float, times), way.law))
+                lines.append(line_of(keyword, numbers[str(way.of)], way.component, *map(float, times), way.law))
         return lines
 
     def _signals(self) -> list[WrittenLine]:
@@ -448,9 +451,11 @@ class _Writer:
                 if signal.local or signal.parts:
                     why = "is about an axis that turns" if signal.local else "is a linear combination"
                     raise _inexpressible(f"The {side} '{signal.name}' {why}")
-                kind, of, number = signal.key
+                kind, owner, number = signal.key
                 component = number if signal.axis is None else TURNS[signal.axis]
-                lines.append(line_of(keyword_of(side, kind, signal.quantity), i, self._place(kind, of)[1], component))
+                lines.append(
+                    line_of(keyword_of(side, kind, signal.quantity), i, self._place(kind, owner)[1], component)
+                )
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for channel in self.settings.get(keyword, []):
@@ -462,17 +467,17 @@ def _sizes(section: Rectangle) -> list[Any]:
     """Numbers of SECTION."""
     material = section.material
     values = (section.width, section.thickness, material.E, material.shear_modulus(), material.rho, material.alpha)
-    return [one_of(value) for value in values if value is not None]
+    return [number_for_line(value) for value in values if value is not None]
 
 
 def _rows(entries: dict) -> dict[tuple[str, str], dict[int, Any]]:
     """Values by owner and number."""
     rows: dict[tuple[str, str], dict[int, Any]] = {}
-    for (kind, of, number), value in entries.items():
-        rows.setdefault((kind, of), {})[number] = value
+    for (kind, owner, number), value in entries.items():
+        rows.setdefault((kind, owner), {})[number] = value
     return rows
 
 
 def _filled(values: dict[int, Any], size: int = 0) -> list[Any]:
     """Values in order, with zeros for missing ones."""
-    return [one_of(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]
+    return [number_for_line(values.get(i, 0.0)) for i in range(1, max(size, *values) + 1)]

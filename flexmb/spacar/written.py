@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import is_concrete
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from .lines import LARGEST, SMALLEST, known, within
 
 
@@ -18,7 +18,7 @@ class WrittenLine:
     values: tuple[Any, ...]
 
 
-def text_of(line: WrittenLine | str) -> str:
+def line_text(line: WrittenLine | str) -> str:
     """One line as text, real numbers with all their digits."""
     if isinstance(line, str):
         return line
@@ -26,7 +26,7 @@ def text_of(line: WrittenLine | str) -> str:
     for value in line.values:
         if not isinstance(value, int | str) and not within(value):
             size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
-            raise ModelError(f"'{clean(text)}' cannot be written to a SPACAR input file: numbers must be {size}.")
+            raise ModelError(f"'{printable(text)}' cannot be written to a SPACAR input file: numbers must be {size}.")
     return text
 
 
@@ -35,16 +35,16 @@ def line_of(keyword: str, *values: Any) -> WrittenLine:
     return WrittenLine(keyword, values)
 
 
-def numbers_of(value: Any) -> list[Any]:
+def flat_numbers(value: Any) -> list[Any]:
     """Numbers of a scalar, an array or a sequence, which may be traced."""
     if is_concrete(value):
         return np.ravel(np.asarray(value, float)).tolist()
     if isinstance(value, list | tuple):
-        return [number for entry in value for number in numbers_of(entry)]
+        return [number for entry in value for number in flat_numbers(entry)]
     return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
 
 
-def one_of(value: Any) -> Any:
+def number_for_line(value: Any) -> Any:
     """A number for a line."""
     return float(np.asarray(value)) if known(value) else value
 

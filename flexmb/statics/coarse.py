@@ -9,14 +9,14 @@ from jaxtyping import Bool, Float
 from ..arguments import is_concrete
 from ..build.curved_leaves import MOST_TWIST
 from ..build.ends_in_line import LONGEST_STROKE
-from ..checks.mobility import constraints, motions_of
+from ..checks.mobility import allowed_motions, constraints
 from ..display import listed, short
 from ..elements.curves import curvature_at
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, CoarseWarning, warn
 from ..math.sparse import LARGE
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
 from ..numerical_limits import COARSE_ANGLE, NEEDLESS_ENERGY, STRAIN_ROUND_OFF, STRETCHED_BEAM, WIDEST_BENT
@@ -48,7 +48,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     _warn_of_strokes(model, leaves, e)
     e = np.abs(e)
     reference, dims = np.asarray(model.parameters.reference), len(model.topology.axes)
-    held = np.concatenate([np.asarray(model.topology.e.fixed), np.asarray(model.topology.e.prescribed)])
+    constrained = np.concatenate([np.asarray(model.topology.e.fixed), np.asarray(model.topology.e.prescribed)])
     turned: dict[str, float] = {}
     stretched: dict[str, float] = {}
     for block in blocks:
@@ -62,7 +62,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
             turned[str(model.labels.e[angles[i, 0]].of)] = float(largest[i] / np.sqrt(squares[i]))
         if number := block.element.number_of("elongation"):
             strains = e[:, np.asarray(block.e)[:, number - 1]].max(axis=0, initial=0.0) / np.sqrt(squares)
-            for i in np.flatnonzero((strains > STRETCHED_BEAM) & ~np.isin(angles, held).all(axis=1)):
+            for i in np.flatnonzero((strains > STRETCHED_BEAM) & ~np.isin(angles, constrained).all(axis=1)):
                 stretched[str(model.labels.e[angles[i, 0]].of)] = float(strains[i])
     if turned:
         advice = "Use spectral beams" if turned.keys() & stretched.keys() else "Use more beams, or spectral ones"
@@ -85,18 +85,26 @@ def warn_of_coarse(model: Model, e: Any) -> None:
 def _leaf_springs(model: Model) -> list[tuple[Any, dict[str, Any]]]:
     """Blocks of leaf springs in space with rectangles as sections, and their properties."""
     pairs = zip(model.topology.blocks, model.parameters.properties, strict=True)
-    found = [(block, own) for block, own in pairs if "clamped" in own and len(block.element.fields) == len(FIELDS)]
-    return [(block, own) for block, own in found if isinstance(own["section"], Rectangle) and is_concrete(own)]
+    clamped = [
+        (block, properties)
+        for block, properties in pairs
+        if "clamped" in properties and len(block.element.fields) == len(FIELDS)
+    ]
+    return [
+        (block, properties)
+        for block, properties in clamped
+        if isinstance(properties["section"], Rectangle) and is_concrete(properties)
+    ]
 
 
 def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
     """Warn of leaf springs whose u of (2.56) at an end exceeds the range compared with solid elements."""
     bent: dict[str, float] = {}
     reference = np.asarray(model.parameters.reference)
-    for block, own in leaves:
+    for block, properties in leaves:
         numbers, section = (
             np.asarray(block.e)[:, np.array(block.element.fields[FIELDS.index("EIy")]) - 1],
-            own["section"],
+            properties["section"],
         )
         odd = (-1.0) ** np.arange(numbers.shape[1])
         curves = np.abs(np.stack([e[:, numbers].sum(axis=2), e[:, numbers] @ odd])).max(axis=(0, 1))
@@ -164,21 +172,21 @@ def needless_strain(
     if topology.n_x > LARGE or is_nonlinear(topology) or shaped or not np.any(e):
         return None
     roots = np.zeros((topology.n_e, topology.n_e))
-    for at, _, own in known_stiffness_pieces(topology, parameters):
-        values, turned = np.linalg.eigh(np.asarray(own))
+    for at, _, stiffness in known_stiffness_pieces(topology, parameters):
+        values, turned = np.linalg.eigh(np.asarray(stiffness))
         blocks = np.sqrt(np.maximum(values, 0.0))[:, :, None] * np.swapaxes(turned, 1, 2)
         place = np.asarray(at)
         roots[place[:, :, None], place[:, None, :]] += blocks
     energy = 0.5 * float(np.sum((roots @ e) ** 2))
     if not energy > 0:
         return None
-    held = constraints(model)
-    motions, _ = motions_of(model, held)
-    changes = held.jacobian @ motions
+    constraint_set = constraints(model)
+    motions, _ = allowed_motions(model, constraint_set)
+    changes = constraint_set.jacobian @ motions
     x_dof, e_dof = np.asarray(topology.x.dof), np.asarray(topology.e.dof)
     rows = np.concatenate([motions[x_dof], changes[e_dof]])[kept]
     _, sizes, right = np.linalg.svd(rows, full_matrices=True)
-    free = changes @ right[int(np.sum(sizes > 1e-9)) :].T / held.rows[:, None]
+    free = changes @ right[int(np.sum(sizes > 1e-9)) :].T / constraint_set.rows[:, None]
     weighted = roots @ free
     scale = np.linalg.norm(weighted, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
@@ -193,11 +201,11 @@ def needless_strain(
 def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: str, remedy: str) -> None:
     """Warn if zero degrees of freedom keep elements from their least strained shape; ``where`` begins the sentence."""
     # Round-off of large turns is no strain.
-    extent = np.max(np.asarray(sizes_of(model.topology, model.parameters)), initial=0.0)
+    extent = np.max(np.asarray(coordinate_scales(model.topology, model.parameters)), initial=0.0)
     e = np.where(np.abs(e) > STRAIN_ROUND_OFF * max(extent, 1.0), e, 0.0)
     dof = np.asarray(model.topology.e.dof)
-    kept = np.concatenate([np.ones(len(model.topology.x.dof), bool), e[dof] != 0])
-    needless = None if np.all(kept) else needless_strain(model, e, kept)
+    kept_freedoms = np.concatenate([np.ones(len(model.topology.x.dof), bool), e[dof] != 0])
+    needless = None if np.all(kept_freedoms) else needless_strain(model, e, kept_freedoms)
     if needless is not None and needless[0] > NEEDLESS_ENERGY * needless[1]:
         energy, least, names = needless
         warn(

@@ -13,16 +13,16 @@ from ..compilation.record import Record, static
 from ..display import Result, Summary, largest, unit_of_rate
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import put
-from ..mechanics.deformation import Transfer, correction, deformation_jacobian, transfer, zero_near
-from ..mechanics.extent import sizes_of
+from ..mechanics.deformation import Transfer, correction, deformation_jacobian, transfer, zero_strain
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import CONFIGURATION_STEP, CONSTRAINTS_MET, FOLDED_MECHANISM, SETTLED_CONFIGURATION
-from ..results import RESULTS, check, or_nan, told
-from .newton_search import held_values
+from ..results import RESULTS, check, or_nan, outcome_text
+from .newton_search import prescribed_values
 
 # 20 000 radians or extents; anything farther is out of reach, and no step is made.
 MOST_STEPS = 1e5
@@ -52,29 +52,31 @@ class Configuration(ByName, Result, Record):
     def summary(self) -> Summary:
         """Return the outcome, and the largest velocity and deformation with their names."""
         rows = {
-            "result": told(self.result),
+            "result": outcome_text(self.result),
             "largest velocity": largest(self.xd, self.labels.x, unit_of_rate),
             "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
         }
         return Summary(f"Configuration: {len(self.x)} coordinates, {len(self.e)} deformations", rows)
 
 
-class _Way(NamedTuple):
+class _Continuation(NamedTuple):
     x: Float[Array, "n_x"]
     near: Float[Array, "n_e"]
     step: Int[Array, ""]
     change: Float[Array, ""]
 
 
-def _wanted(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], share: Float[Array, ""] | float = 1.0):
+def _prescribed_share(
+    topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], share: Float[Array, ""] | float = 1.0
+):
     """Given coordinates and deformations, a share of the way there; others as undeformed."""
-    x, e = held_values(topology, parameters, LoadFactors(1.0, 0.0))
-    given = parameters.reference + share * (x - parameters.reference), share * e
-    return _with_freedoms(topology, given, share * q)
+    x, e = prescribed_values(topology, parameters, LoadFactors(1.0, 0.0))
+    prescribed = parameters.reference + share * (x - parameters.reference), share * e
+    return _with_freedoms(topology, prescribed, share * q)
 
 
-def _with_freedoms(topology: Topology, given: tuple[Array, Array], q: Float[Array, "n_q"]):
-    x, e = given
+def _with_freedoms(topology: Topology, prescribed: tuple[Array, Array], q: Float[Array, "n_q"]):
+    x, e = prescribed
     n = topology.x.dof.shape[0]
     return put(x, topology.x.dof, x[topology.x.dof] + q[:n]), put(e, topology.e.dof, q[n:])
 
@@ -83,14 +85,14 @@ def _corrected(
     topology: Topology,
     parameters: Parameters,
     x: Float[Array, "n_x"],
-    near: Float[Array, "n_e"],
+    last_strain: Float[Array, "n_e"],
     wanted_x: Float[Array, "n_x"],
     wanted_e: Float[Array, "n_e"],
 ):
     """One Newton step, the deformations before it, and the transfer functions there."""
-    given = topology.x.given
-    shift = put(jnp.zeros(topology.n_x), given, (wanted_x - x)[given])
-    e, jacobian = deformation_jacobian(topology, parameters, x, near)
+    independent = topology.x.given
+    shift = put(jnp.zeros(topology.n_x), independent, (wanted_x - x)[independent])
+    e, jacobian = deformation_jacobian(topology, parameters, x, last_strain)
     tangent = transfer(topology, jacobian)
     excess = e - wanted_e + jacobian @ shift
     return x + correction(topology, tangent, excess, shift), e, tangent
@@ -114,34 +116,38 @@ def configured(
 
 def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"], qd: Float[Array, "n_q"]):
     """Configuration x, velocity xd, deformations e and a code of RESULTS at given degrees of freedom."""
-    sizes = sizes_of(topology, parameters)
-    wanted_x, wanted_e = _wanted(topology, parameters, q)
-    given = topology.x.given
-    relative = jnp.concatenate([((wanted_x - parameters.reference) / sizes)[given], wanted_e[topology.e.given]])
+    sizes = coordinate_scales(topology, parameters)
+    wanted_x, wanted_e = _prescribed_share(topology, parameters, q)
+    independent = topology.x.given
+    relative = jnp.concatenate([((wanted_x - parameters.reference) / sizes)[independent], wanted_e[topology.e.given]])
     needed = jnp.ceil(jnp.max(jnp.abs(relative), initial=0.0) / CONFIGURATION_STEP) + 1
     within = needed <= MOST_STEPS
     steps = jnp.where(within, needed, 0).astype(jnp.int32)
     settled = jax.lax.stop_gradient((parameters, q))
 
-    def turn(walk: _Way) -> _Way:
+    def turn(continuation: _Continuation) -> _Continuation:
         parameters, q = settled
-        share = jnp.minimum(walk.step + 1, steps).astype(float) / steps.astype(float)
-        wanted_x, wanted_e = _wanted(topology, parameters, q, share)
+        share = jnp.minimum(continuation.step + 1, steps).astype(float) / steps.astype(float)
+        wanted_x, wanted_e = _prescribed_share(topology, parameters, q, share)
 
         def corrected(_: Array, carried: tuple[Array, ...]):
-            x, near, _ = carried
-            after, e, _ = _corrected(topology, parameters, x, near, wanted_x, wanted_e)
+            x, last_strain, _ = carried
+            after, e, _ = _corrected(topology, parameters, x, last_strain, wanted_x, wanted_e)
             return after, e, jnp.max(jnp.abs(after - x) / jax.lax.stop_gradient(sizes), initial=0.0)
 
-        x, near, change = jax.lax.fori_loop(0, CORRECTIONS, corrected, (walk.x, walk.near, walk.change))
-        return _Way(x, near, walk.step + 1, change)
+        x, last_strain, change = jax.lax.fori_loop(
+            0, CORRECTIONS, corrected, (continuation.x, continuation.near, continuation.change)
+        )
+        return _Continuation(x, last_strain, continuation.step + 1, change)
 
-    def goes_on(walk: _Way):
-        return (walk.step < steps) | (within & (walk.step < steps + MORE_TURNS) & (walk.change > SETTLED_CONFIGURATION))
+    def goes_on(continuation: _Continuation):
+        return (continuation.step < steps) | (
+            within & (continuation.step < steps + MORE_TURNS) & (continuation.change > SETTLED_CONFIGURATION)
+        )
 
-    start = _Way(settled[0].reference, zero_near(topology), jnp.zeros((), jnp.int32), jnp.array(0.0))
+    start = _Continuation(settled[0].reference, zero_strain(topology), jnp.zeros((), jnp.int32), jnp.array(0.0))
     end = jax.lax.stop_gradient(jax.lax.while_loop(goes_on, turn, start))
-    wanted_x, wanted_e = _wanted(topology, parameters, q)
+    wanted_x, wanted_e = _prescribed_share(topology, parameters, q)
 
     def differentiated(_: Array, x: Float[Array, "n_x"]):
         return _corrected(topology, parameters, x, end.near, wanted_x, wanted_e)[0]
@@ -152,11 +158,11 @@ def configure(topology: Topology, parameters: Parameters, q: Float[Array, "n_q"]
     parts = (jnp.abs(jacobian) @ sizes)[topology.e.given]
     off = jnp.abs((e - wanted_e)[topology.e.given]) / jnp.where(parts > 0, parts, 1.0)
     off = jnp.max(off, initial=0.0)
-    found = within & (off < CONSTRAINTS_MET) & (end.change <= SETTLED_CONFIGURATION)
-    result = jnp.where(found, RESULTS.successful, RESULTS.out_of_reach)
-    _, undeformed = deformation_jacobian(topology, settled[0], settled[0].reference, zero_near(topology))
+    converged = within & (off < CONSTRAINTS_MET) & (end.change <= SETTLED_CONFIGURATION)
+    result = jnp.where(converged, RESULTS.successful, RESULTS.out_of_reach)
+    _, undeformed = deformation_jacobian(topology, settled[0], settled[0].reference, zero_strain(topology))
     before = _moved(topology, undeformed, transfer(topology, undeformed), sizes)
-    folded = found & (_moved(topology, jacobian, tangent, sizes) > FOLDED_MECHANISM * before)
+    folded = converged & (_moved(topology, jacobian, tangent, sizes) > FOLDED_MECHANISM * before)
     astray = within & ~(tangent.regular & jnp.isfinite(off) & ~folded)
     result = jnp.where(astray, RESULTS.singular_configuration, result)
     return x, tangent.DFx @ qd, e, result.astype(jnp.int32)
@@ -198,11 +204,11 @@ def configuration(
     """
     start = as_determined(model, "configuration").parameters.start
     zero = np.zeros(model.topology.n_q)
-    given = (zero, zero) if start is None else start
+    defaults = (zero, zero) if start is None else start
     for name, value in (("q", q), ("qd", qd)):
         if value is not None:
             check_numbers(f"Argument `{name}`", value)
-    values = [g if v is None else as_floats(v) for v, g in zip((q, qd), given, strict=True)]
+    values = [g if v is None else as_floats(v) for v, g in zip((q, qd), defaults, strict=True)]
     for name, value in zip(("q", "qd"), values, strict=True):
         if value.shape != zero.shape:
             raise ValueError(

@@ -10,17 +10,17 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arguments import check_number, is_concrete, undifferentiated
-from ..checks.mobility import constraints, motions_of, shares
+from ..checks.mobility import allowed_motions, constraints, shares
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, largest, short, unit_of_force
 from ..errors import ModelError, warn
-from ..math.element_matrices import Whole
+from ..math.element_matrices import AssembledEquations
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
 from ..math.sparse import LARGE, unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
-from ..mechanics.inertia import Felt
+from ..mechanics.inertia import InertialLoad
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
@@ -28,7 +28,7 @@ from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
-from ..results import RESULTS, check, or_nan, told
+from ..results import RESULTS, check, or_nan, outcome_text
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
 from .sparse import sparse_equilibrium, undeformed_elements
@@ -49,7 +49,7 @@ def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
     return solver_for(model, sparse, solver) != DENSE
 
 
-def named(solver: Any) -> Any:
+def known_solver(solver: Any) -> Any:
     """The solver, for a function that accepts no :class:`LinearSolver` but the two of this package; else TypeError."""
     if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
         raise TypeError('Argument `solver` must be "sparse" or "dense" here. fm.equilibrium accepts other solvers too.')
@@ -94,7 +94,7 @@ class Equilibrium(ByName, Result, Record):
     x: Float[Array, "n_x"]
     e: Float[Array, "n_e"]
     sigma: Float[Array, "n_e"]
-    felt: Felt
+    felt: InertialLoad
     reactions: Float[Array, "n_x"]
     external: Float[Array, "n_x"]
     iterations: Int[Array, ""]
@@ -134,7 +134,7 @@ class Equilibrium(ByName, Result, Record):
     def summary(self) -> Summary:
         """Return the outcome, and the largest deformation, stress resultant and reaction with their names."""
         rows = {
-            "result": told(self.result),
+            "result": outcome_text(self.result),
             "iterations": str(int(self.iterations)),
             "largest deformation": largest(self.e, self.labels.e, "[m, rad]"),
             "largest stress resultant": largest(self.sigma, self.labels.e, "[N, N m]"),
@@ -147,7 +147,7 @@ class Equilibrium(ByName, Result, Record):
 def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
     at, _, result, iterations, reached = solve_state(topology, parameters, target, tell_critical=True)
     outside = reactions_of(topology, at), external_of(topology, parameters, at)
-    answer = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+    answer = at.x, at.e, at.sigma, InertialLoad(at.gravity), *outside, iterations, result
     # Only for checks: their derivatives would take longer than all others.
     k0 = at.K0
     return answer, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))
@@ -238,11 +238,11 @@ def equilibrium(
     model = model if in_coordinates else as_determined(model, "equilibrium")
     target = load_factors_of(model, load_factor, increment, "equilibrium")
     solve: Any = functools.partial(sparse_equilibrium, solver=chosen) if in_coordinates else _equilibrium
-    found, looked_at = solve(model.topology, model.parameters, target)
-    solved = Equilibrium(*found, labels=model.labels)
+    solution, looked_at = solve(model.topology, model.parameters, target)
+    solved = Equilibrium(*solution, labels=model.labels)
     about = ""
     if not in_coordinates and is_concrete(reached := undifferentiated(looked_at[-1])):
-        about = f"Load steps reached {factors_told(model, reached)}."
+        about = f"Load steps reached {load_factor_text(model, reached)}."
     check_stiffness(model, solved.result, throw, about)
     if known := is_concrete((model, solved, looked_at)):
         solved.known(model, target)
@@ -262,7 +262,7 @@ def equilibrium(
     return solved
 
 
-def factors_told(model: Model, factors: LoadFactors) -> str:
+def load_factor_text(model: Model, factors: LoadFactors) -> str:
     """Load factors in words, for a message."""
     loads, more = (short(float(np.asarray(factor))) for factor in factors)
     return f"load factor {loads}" if model.parameters.increment is None else f"increment {more} and load factor {loads}"
@@ -294,23 +294,23 @@ def without_stiffness(model: Model) -> str:
         return ""
     if topology.n_x > LARGE:
         loose = _loose_of_large(model)
-        return _of_loose(model, loose) if loose.size else ""
+        return _loose_note(model, loose) if loose.size else ""
     elastic = np.zeros(topology.n_e, bool)
     for at, _, matrices in known_stiffness_pieces(topology, model.parameters):
         elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(matrices)) > 0
     elastic[np.asarray(topology.e.held)] = False
-    found = constraints(model)
-    motions, _ = motions_of(model, found)
-    _, _, free = null_spaces(found.jacobian[elastic] @ motions)
-    loose = found.motion(motions @ free, np.arange(topology.n_x))
-    return _of_loose(model, loose) if loose.shape[1] else ""
+    constraint_set = constraints(model)
+    motions, _ = allowed_motions(model, constraint_set)
+    _, _, free = null_spaces(constraint_set.jacobian[elastic] @ motions)
+    loose = constraint_set.motion(motions @ free, np.arange(topology.n_x))
+    return _loose_note(model, loose) if loose.shape[1] else ""
 
 
 def _loose_of_large(model: Model) -> np.ndarray:
     """The motion without stiffness, (n_x, 1), or none, by sparse factors."""
-    whole = Whole(jax.tree.map(np.asarray, undeformed_elements(model.topology, model.parameters)))
-    motion = unresisted(whole.at(), whole.n)
-    stiffness = whole.at()[: whole.n, : whole.n]
+    assembled = AssembledEquations(jax.tree.map(np.asarray, undeformed_elements(model.topology, model.parameters)))
+    motion = unresisted(assembled.at(), assembled.n)
+    stiffness = assembled.at()[: assembled.n, : assembled.n]
     if motion is None:
         return np.zeros((model.topology.n_x, 0))
     meeting, resistance = motion**2 * np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
@@ -319,11 +319,11 @@ def _loose_of_large(model: Model) -> np.ndarray:
     ):
         return np.zeros((model.topology.n_x, 0))
     loose = np.zeros((model.topology.n_x, 1))
-    loose[whole.elements.free, 0] = motion
+    loose[assembled.elements.free, 0] = motion
     return loose
 
 
-def _of_loose(model: Model, loose: np.ndarray) -> str:
+def _loose_note(model: Model, loose: np.ndarray) -> str:
     names = "; ".join(
         ", ".join(f"{s.of}.{s.symbol} ({s.share:.2g})" for s in shares(motion, model.labels.x)[:4])
         for motion in loose.T

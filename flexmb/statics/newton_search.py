@@ -1,6 +1,6 @@
 """Newton's method for an equilibrium, with adaptive load steps: one loop for dense and for sparse matrices.
 
-:func:`search` is the loop. :class:`MatrixForm` and :class:`Turn` are the interface of a form of matrices: ``solve``
+:func:`search_equilibrium` is the loop. :class:`MatrixForm` and :class:`Turn` are the interface of a form of matrices: ``solve``
 has the dense form, ``sparse`` the sparse form. :class:`Newton` and :class:`LoadStep` decide which corrections and steps
 are accepted.
 """
@@ -15,8 +15,8 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..math.indices import accumulate, put
 from ..math.linear import uneven
-from ..mechanics.deformation import deformations, zero_near
-from ..mechanics.extent import sizes_of
+from ..mechanics.deformation import deformations, zero_strain
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, has_loads, is_idle, scaled_loads
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest, thermal_deformations
 from ..model.parameters import Parameters
@@ -97,8 +97,8 @@ class LoadStep(NamedTuple):
 
         The rest is estimated: after a contraction by theta, the next one is by theta^2 (Deuflhard 2011, section 2.1).
         """
-        left = size * (size / self.before) ** 2
-        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (left < LOOSE_TOLERANCE) & (self.tries > 0))
+        predicted = size * (size / self.before) ** 2
+        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (predicted < LOOSE_TOLERANCE) & (self.tries > 0))
 
     def after(self, size: Number, done: Any, bad: Any) -> tuple["LoadStep", Any]:
         """State after a correction that is ``done`` or ``bad`` (refused), and whether load steps are too short."""
@@ -251,7 +251,7 @@ class _Search(NamedTuple):
     result: Int[Array, ""]
 
 
-def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
+def prescribed_values(topology: Topology, parameters: Parameters, factors: LoadFactors):
     """Coordinates and deformations with the PRESCRIBED ones at their values, others as undeformed.
 
     FIXED deformations have their thermal values, since a rigid element expands too.
@@ -268,9 +268,9 @@ def held_values(topology: Topology, parameters: Parameters, factors: LoadFactors
     return x, e
 
 
-def undeformed(form: MatrixForm, topology: Topology, parameters: Parameters) -> Begin:
+def unloaded_start(form: MatrixForm, topology: Topology, parameters: Parameters) -> Begin:
     """Start without loads."""
-    none, zero = zero_near(topology), jnp.array(0.0)
+    none, zero = zero_strain(topology), jnp.array(0.0)
     motions, multipliers = form.unknowns(topology)
     at = Iterate(jnp.asarray(parameters.reference, float), none, none, jnp.zeros(multipliers))
     return Begin(at, jnp.zeros(motions), LoadFactors(zero, zero))
@@ -281,17 +281,19 @@ def _between(begin: LoadFactors, target: LoadFactors, share: Float[Array, ""]) -
     return LoadFactors(*((1 - share) * a + share * b for a, b in zip(begin, target, strict=True)))
 
 
-def _of_unit_energy(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Array]:
+def _unit_energy_motion(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Array]:
     """A motion of unit energy and its energy; for one without energy an uneven one instead."""
     energy, diagonal = turn.energy(soft), turn.stiffnesses()
-    kept = (energy > 0) & jnp.isfinite(energy)
+    positive = (energy > 0) & jnp.isfinite(energy)
     # No mode of a symmetric mechanism is orthogonal to it.
     even = uneven(soft.shape[0], 1, jnp) / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
-    soft = jnp.where(kept, soft / jnp.sqrt(jnp.where(kept, energy, 1.0)), even)
+    soft = jnp.where(positive, soft / jnp.sqrt(jnp.where(positive, energy, 1.0)), even)
     return soft, turn.energy(soft)
 
 
-def search(form: MatrixForm, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> Searched:
+def search_equilibrium(
+    form: MatrixForm, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin
+) -> Searched:
     """Equilibrium by one loop whose turns are Newton iterations, with load steps that begin, grow and shrink inside it.
 
     Deformations are iterated as separate numbers, see ``iterate``. If elements have stress-free deformations, the
@@ -302,7 +304,7 @@ def search(form: MatrixForm, topology: Topology, parameters: Parameters, target:
     The power method for the largest 1/mu of K v = mu K0 v makes one step per turn with the factors at hand. It shows,
     from below, whether the state is critical.
     """
-    sizes = sizes_of(topology, parameters)
+    sizes = coordinate_scales(topology, parameters)
     loaded = has_loads(topology, parameters)
     idle, laws = is_idle(topology, parameters, target), is_nonlinear_at_rest(topology)
     # Prescribed motion needs load steps; a pendulum's fall does not.
@@ -311,16 +313,16 @@ def search(form: MatrixForm, topology: Topology, parameters: Parameters, target:
 
     def equations(trial: Iterate, load: Float[Array, ""]):
         factors = _between(begin.factors, target, load)
-        wanted = held_values(topology, parameters, factors)
+        prescribed = prescribed_values(topology, parameters, factors)
         free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
         strained = trial.strained if free is None else trial.strained + free
-        return form.turn(topology, parameters, factors, trial._replace(strained=strained), wanted), free
+        return form.turn(topology, parameters, factors, trial._replace(strained=strained), prescribed), free
 
     def turn(s: _Search) -> _Search:
         going, steps, (x, *_) = ~s.finishing, s.steps, s.trial
         load = jnp.where(going, steps.load, 1.0)
         at, free = equations(s.trial, load)
-        soft, energy = _of_unit_energy(at, s.soft)
+        soft, energy = _unit_energy_motion(at, s.soft)
         correction = at.corrected(soft)
         # Undeformed, without loads and pull of laws, no stiffness is needed.
         still = s.iterations == 0
@@ -341,15 +343,15 @@ def search(form: MatrixForm, topology: Topology, parameters: Parameters, target:
         if not form.knows_stress:
             # The first tangent has neither multipliers nor the stress of warmed elements.
             enough = enough & (still | (steps.tries > 0))
-        done = going & enough & ~bad
+        finished = going & enough & ~bad
         trial = x + change
         strained = at.e + at.deformed(change)
         # The turn of an angle follows the iterate, whose steps are below half a turn.
-        near = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
+        last_strain = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
         multipliers = jnp.where(still, s.trial.multipliers, correction.multipliers)
-        after = Iterate(trial, near, strained if free is None else strained - free, multipliers)
-        following, failed = steps.after(size, done, bad)
-        ends = failed | (done & (load >= 1.0))
+        after = Iterate(trial, last_strain, strained if free is None else strained - free, multipliers)
+        following, failed = steps.after(size, finished, bad)
+        ends = failed | (finished & (load >= 1.0))
         # Zero if nothing is stiff without load: that alone is no critical state.
         softness = jnp.sqrt(at.energy(correction.softer) / jnp.where(energy > 0, energy, 1.0))
         softness = jnp.where(still, 0.0, softness)
@@ -357,7 +359,7 @@ def search(form: MatrixForm, topology: Topology, parameters: Parameters, target:
             last=at.last,
             finishing=ends,
             finished=s.finishing if form.looks_at_end else ends,
-            done=jax.tree.map(lambda a, b: jnp.where(done, a, b), after, s.done),
+            done=jax.tree.map(lambda a, b: jnp.where(finished, a, b), after, s.done),
             trial=jax.tree.map(lambda a, b: jnp.where(bad, b, a), after, s.done),
             steps=following,
             soft=correction.softer,

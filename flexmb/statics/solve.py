@@ -11,7 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.linear import diagonal_of, factorise
-from ..mechanics.deformation import deformation_jacobian, zero_near
+from ..mechanics.deformation import deformation_jacobian, zero_strain
 from ..mechanics.inertia import weight
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
@@ -20,16 +20,18 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS
-from .newton_search import Begin, Correction, Iterate, MatrixForm, held_values, search
-from .newton_search import undeformed as undeformed_of
+from .newton_search import Begin, Correction, Iterate, MatrixForm, prescribed_values, search_equilibrium
+from .newton_search import unloaded_start as undeformed_of
 
 
 class TurnInFreedoms:
     """:class:`flexmb.statics.newton_search.Turn` in the degrees of freedom."""
 
-    def __init__(self, topology: Topology, parameters: Parameters, factors: LoadFactors, trial: Iterate, wanted: Any):
-        x, near, strained, _ = trial
-        at, self.onto, self.residual = iterate(topology, parameters, factors, x, near, strained, wanted)
+    def __init__(
+        self, topology: Topology, parameters: Parameters, factors: LoadFactors, trial: Iterate, prescribed: Any
+    ):
+        x, last_strain, strained, _ = trial
+        at, self.onto, self.residual = iterate(topology, parameters, factors, x, last_strain, strained, prescribed)
         self.last, self.e, self._k0 = at, at.e, at.K0
 
     def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
@@ -76,7 +78,7 @@ class _Solved(NamedTuple):
 
 @jax.custom_jvp
 def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
-    at, reached, iterations, result = search(FREEDOMS, topology, parameters, target, begin)
+    at, reached, iterations, result = search_equilibrium(FREEDOMS, topology, parameters, target, begin)
     return _Solved(at, reached.at.near, reached, iterations, result)
 
 
@@ -94,15 +96,15 @@ def change_of_equations(
         e, jacobian = deformation_jacobian(topology, parameters, at.x, near)
         stiffness = element_stiffness(topology, parameters)
         sigma = stress_resultants(topology, parameters, scaled_loads(parameters, target), stiffness, e)
-        held = topology.e.held
-        sigma = put(sigma, held, at.sigma[held])
-        wanted_x, wanted_e = held_values(topology, parameters, target)
+        constrained = topology.e.held
+        sigma = put(sigma, constrained, at.sigma[constrained])
+        wanted_x, wanted_e = prescribed_values(topology, parameters, target)
         force = nodal_forces(topology, parameters, target, at.x)
         return jacobian.T @ sigma - force, e - wanted_e, wanted_x
 
-    _, (imbalance, excess, wanted) = jvp_of_varied(equations, primals, tangents)
-    held = topology.x.held
-    shift = put(jnp.zeros(topology.n_x), held, wanted[held])
+    _, (imbalance, excess, prescribed) = jvp_of_varied(equations, primals, tangents)
+    constrained = topology.x.held
+    shift = put(jnp.zeros(topology.n_x), constrained, prescribed[constrained])
     return put(excess, topology.e.dof, 0.0) + at.jacobian @ shift, shift, imbalance
 
 
@@ -110,17 +112,17 @@ def _solve_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """The derivative of the equations at constant x, solved by the tangent; the start of the search has no effect."""
     topology, parameters, target, begin = primals
     solved = _solve(topology, parameters, target, begin)
-    near = jax.lax.stop_gradient(solved.near)
-    excess, shift, imbalance = change_of_equations(topology, solved.at, near, primals[1:3], tangents[1:3])
+    last_strain = jax.lax.stop_gradient(solved.near)
+    excess, shift, imbalance = change_of_equations(topology, solved.at, last_strain, primals[1:3], tangents[1:3])
     dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
 
     def evaluated(parameters: Parameters, target: LoadFactors, x: Float[Array, "n_x"]):
-        return state(topology, parameters, target, x, near)
+        return state(topology, parameters, target, x, last_strain)
 
     _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:3], dx))
     no_change: Any = np.zeros((), jax.dtypes.float0)
     still = jax.tree.map(jnp.zeros_like, solved.reached)
-    return solved, _Solved(changed, jnp.zeros_like(near), still, no_change, no_change)
+    return solved, _Solved(changed, jnp.zeros_like(last_strain), still, no_change, no_change)
 
 
 _solve.defjvp(_solve_jvp, symbolic_zeros=True)
@@ -137,13 +139,13 @@ def solve_state(
     # The pull of laws in the undeformed mechanism is only known as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
         begin = undeformed(topology, parameters)
-        at, near, result, iterations, reached = solve_onward(topology, parameters, target, begin)
+        at, last_strain, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
-        return at, near, result, iterations, reached.factors
-    near, zero = zero_near(topology), jnp.zeros((), jnp.int32)
-    at = state(topology, parameters, target, parameters.reference, near, loaded=False)
-    return at, near, _of_regular(at, zero), zero, target
+        return at, last_strain, result, iterations, reached.factors
+    last_strain, zero = zero_strain(topology), jnp.zeros((), jnp.int32)
+    at = state(topology, parameters, target, parameters.reference, last_strain, loaded=False)
+    return at, last_strain, _singular_if_irregular(at, zero), zero, target
 
 
 def solve_onward(
@@ -154,19 +156,19 @@ def solve_onward(
     Returns state, ``near``, code of RESULTS, critical_state included, number of Newton iterations, and the start for
     the next equilibrium.
     """
-    at, near, reached, iterations, result = _solve(topology, parameters, target, begin)
-    return at, near, _of_regular(at, result), iterations, jax.lax.stop_gradient(reached)
+    at, last_strain, reached, iterations, result = _solve(topology, parameters, target, begin)
+    return at, last_strain, _singular_if_irregular(at, result), iterations, jax.lax.stop_gradient(reached)
 
 
-def _of_regular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:
-    found = (result == RESULTS.successful) | (result == RESULTS.critical_state)
-    return jnp.where(found & ~at.transfer.regular, RESULTS.singular_configuration, result).astype(jnp.int32)
+def _singular_if_irregular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:
+    converged = (result == RESULTS.successful) | (result == RESULTS.critical_state)
+    return jnp.where(converged & ~at.transfer.regular, RESULTS.singular_configuration, result).astype(jnp.int32)
 
 
 def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
     """Forces of the supports on the mechanism, D_x^T sigma - f, at FIXED and PRESCRIBED coordinates, zero elsewhere."""
-    held = topology.x.held
-    return put(jnp.zeros(topology.n_x), held, (at.jacobian.T @ at.sigma - at.force)[held])
+    constrained = topology.x.held
+    return put(jnp.zeros(topology.n_x), constrained, (at.jacobian.T @ at.sigma - at.force)[constrained])
 
 
 def external_of(topology: Topology, parameters: Parameters, at: State) -> Float[Array, "n_x"]:

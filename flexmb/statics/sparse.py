@@ -16,22 +16,30 @@ from ..arguments import is_concrete
 from ..compilation.host import call_host
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
-from ..math.by_deformations import forces, product, refined
+from ..math.by_deformations import forces, refined_solution, saddle_product
 from ..math.derivative import jvp_of_varied
-from ..math.element_matrices import ElementMatrices, Pieces, Whole
+from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices
 from ..math.indices import put
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..math.sparse import SparseFactors, on_host_thread
 from ..mechanics.blocks import kernel, scatter_vector
-from ..mechanics.deformation import deformations, zero_near
-from ..mechanics.inertia import Felt, weight
+from ..mechanics.deformation import deformations, zero_strain
+from ..mechanics.inertia import InertialLoad, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS, check, collect, collects, or_nan
-from .newton_search import Correction, Iterate, MatrixForm, Searched, held_values, search, undeformed
+from .newton_search import (
+    Correction,
+    Iterate,
+    MatrixForm,
+    Searched,
+    prescribed_values,
+    search_equilibrium,
+    unloaded_start,
+)
 from .stable import has_negative_motion, is_unstable, pivots_tell_unstable
 from .tangent import elastic_stress, element_matrices, unknowns
 
@@ -76,11 +84,13 @@ def _answer(
                 solution = factors.solve(right, transposed)
             else:
                 columns, sizes = right.reshape(len(right), -1), elements.sizes[elements.free]
-                solution = refined(
+                solution = refined_solution(
                     lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
                 ).reshape(right.shape)
             return solution, np.array(RESULTS.successful, np.int32)
-        why = RESULTS.singular_stiffness if Whole(elements).independent() else RESULTS.singular_configuration
+        why = (
+            RESULTS.singular_stiffness if AssembledEquations(elements).independent() else RESULTS.singular_configuration
+        )
     except AnalysisError as fault:
         why = RESULTS[fault.code]
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
@@ -93,9 +103,9 @@ def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Floa
     """
     import scipy.sparse
 
-    whole = Whole(elements)
-    n = whole.n
-    rows = whole.at()[n:, :n]
+    assembled = AssembledEquations(elements)
+    n = assembled.n
+    rows = assembled.at()[n:, :n]
     weights = scipy.sparse.diags_array(1 / elements.sizes[elements.free] ** 2)
     factors = SparseFactors(scipy.sparse.block_array([[weights, rows.T], [rows, None]], format="csc"))
     return factors.solve(np.concatenate([right[:n], np.zeros(len(right) - n)]))[n:]
@@ -126,12 +136,12 @@ def _traced_answer(elements: ElementMatrices, right: Float[Array, "r *k"], **how
 @kernel
 def undeformed_elements(topology: Topology, parameters: Parameters) -> ElementMatrices:
     """Element matrices of the undeformed mechanism without loads."""
-    factors, none = LoadFactors(0.0, 0.0), zero_near(topology)
+    factors, none = LoadFactors(0.0, 0.0), zero_strain(topology)
     sigma = put(elastic_stress(topology, parameters, factors, none), topology.e.held, 0.0)
     return element_matrices(topology, parameters, factors, parameters.reference, none, sigma, none)[0]
 
 
-def along(size: int, pieces: Pieces, v: Float[Array, "n"]) -> Array:
+def elements_times(size: int, pieces: BlockMatrices, v: Float[Array, "n"]) -> Array:
     """Sum of element matrices times a vector."""
     return scatter_vector(size, [(r, jnp.einsum("eij,ej->ei", matrix, v[c])) for r, c, matrix in pieces])
 
@@ -152,25 +162,27 @@ class TurnInCoordinates:
         parameters: Parameters,
         factors: LoadFactors,
         trial: Iterate,
-        wanted: Any,
+        prescribed: Any,
         solver: LinearSolver = SPARSE,
     ):
-        (free, fast, held), (wanted_x, wanted_e) = unknowns(topology), wanted
-        x, near, strained, self._multipliers = trial
+        (free, fast, constrained), (wanted_x, wanted_e) = unknowns(topology), prescribed
+        x, last_strain, strained, self._multipliers = trial
         self._solver = solver
 
         def stress(e: Float[Array, "n_e"]):
             return elastic_stress(topology, parameters, factors, e)
 
-        sigma = put(stress(strained), held, self._multipliers)
-        self.last, self.e = element_matrices(topology, parameters, factors, x, near, sigma, strained)
+        sigma = put(stress(strained), constrained, self._multipliers)
+        self.last, self.e = element_matrices(topology, parameters, factors, x, last_strain, sigma, strained)
         self.transposed = [(c, r, jnp.swapaxes(d, 1, 2)) for r, c, d in self.last.constraints]
         # The stress at x, to first order from the stress of the iterated deformations.
         self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
-        balancing = put(sum(self._stress_change(self.e - strained)), held, self._multipliers)
-        lacking = nodal_forces(topology, parameters, factors, x) - along(topology.n_x, self.transposed, balancing)
+        balancing = put(sum(self._stress_change(self.e - strained)), constrained, self._multipliers)
+        lacking = nodal_forces(topology, parameters, factors, x) - elements_times(
+            topology.n_x, self.transposed, balancing
+        )
         self.onto = put(jnp.zeros(topology.n_x), fast, wanted_x[fast] - x[fast])
-        self.right = jnp.concatenate([lacking[free], (wanted_e - self.e)[held]]) - self.forces_of(self.onto)
+        self.right = jnp.concatenate([lacking[free], (wanted_e - self.e)[constrained]]) - self.forces_of(self.onto)
 
     def spread(self, motion: Float[Array, "n"]) -> Float[Array, "n_x"]:
         """Motion of all coordinates."""
@@ -178,19 +190,21 @@ class TurnInCoordinates:
 
     def forces_of(self, change: Float[Array, "n_x"]) -> Float[Array, "r"]:
         """Forces and held deformations of a change of all coordinates."""
-        force = along(change.shape[0], self.last.stiffness, change)
+        force = elements_times(change.shape[0], self.last.stiffness, change)
         return jnp.concatenate([force[self.last.free], self.deformed(change)[self.last.held]])
 
     def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
-        return along(self.e.shape[0], self.last.constraints, change)
+        return elements_times(self.e.shape[0], self.last.constraints, change)
 
     def is_round_off(self, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
         absolute = [(r, c, jnp.abs(d)) for r, c, d in self.last.constraints]
-        error = DEFORMATION_ROUND_OFF * along(self.e.shape[0], absolute, sizes)
+        error = DEFORMATION_ROUND_OFF * elements_times(self.e.shape[0], absolute, sizes)
         largest = jnp.abs(self._stress_change(error)[1])
-        pulled = along(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self.transposed], largest)[self.last.free]
+        pulled = elements_times(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self.transposed], largest)[
+            self.last.free
+        ]
         return jnp.all(jnp.abs(self.right[: len(pulled)]) <= pulled)
 
     def stiffnesses(self) -> Float[Array, "n"]:
@@ -201,12 +215,12 @@ class TurnInCoordinates:
     def energy(self, motion: Float[Array, "n"]) -> Float[Array, ""]:
         """See :class:`flexmb.statics.newton_search.Turn`."""
         changed = self.deformed(self.spread(motion))
-        return changed @ along(changed.shape[0], self.last.elastic, changed)
+        return changed @ elements_times(changed.shape[0], self.last.elastic, changed)
 
     def corrected(self, soft: Float[Array, "n"]) -> Correction:
         """See :class:`flexmb.statics.newton_search.Turn`."""
         n, h = self.last.unknowns
-        bending = along(self.onto.shape[0], self.last.structural, self.spread(soft))[self.last.free]
+        bending = elements_times(self.onto.shape[0], self.last.structural, self.spread(soft))[self.last.free]
         right = jnp.stack([self.right, jnp.concatenate([bending, jnp.zeros(h)])], axis=1)
         like = [(n + h, 2), float], [(), np.int32], [(h,), float]
         shapes = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in like)
@@ -225,33 +239,33 @@ def _searched(topology: Topology, parameters: Parameters, target: LoadFactors, *
         looks_at_end=False,
         knows_stress=False,
     )
-    return search(form, topology, parameters, target, undeformed(form, topology, parameters))
+    return search_equilibrium(form, topology, parameters, target, unloaded_start(form, topology, parameters))
 
 
-def found_equilibrium(
+def search_in_coordinates(
     topology: Topology, parameters: Parameters, target: LoadFactors, solver: LinearSolver = SPARSE
 ) -> Balanced:
     """Equilibrium by Newton's method on coordinates and multipliers, without derivatives."""
     if not (has_loads(topology, parameters) or is_nonlinear_at_rest(topology)):
-        none, zero = zero_near(topology), jnp.zeros((), jnp.int32)
+        none, zero = zero_strain(topology), jnp.zeros((), jnp.int32)
         multipliers = jnp.zeros(topology.e.held.shape[0])
         return Balanced(jnp.asarray(parameters.reference, float), multipliers, none, zero, zero, none)
     elements, reached, iterations, result = _searched(topology, parameters, target, solver=solver)
-    x, near, strained, multipliers = reached.at
-    balance = Balanced(x, multipliers, near, iterations, result, strained)
+    x, last_strain, strained, multipliers = reached.at
+    balance = Balanced(x, multipliers, last_strain, iterations, result, strained)
     if is_concrete((topology, parameters, target)):
         # The last correction is too small to change a sign.
         symmetric = not lacks_potential(topology)
         unstable = pivots_tell_unstable(jax.tree.map(np.asarray, elements), symmetric)
         if unstable and symmetric:
-            elements = _tangent(topology, parameters, target, near, balance)
+            elements = _tangent(topology, parameters, target, last_strain, balance)
             unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
         return balance._replace(unstable=unstable)
     return balance
 
 
 # Its derivative is one solution with factors of the tangent at the state.
-_differentiable = jax.custom_jvp(found_equilibrium, nondiff_argnums=(3,))
+_differentiable = jax.custom_jvp(search_in_coordinates, nondiff_argnums=(3,))
 
 
 def _balanced(
@@ -259,7 +273,7 @@ def _balanced(
 ) -> Balanced:
     # For known numbers the derivative rule takes longer than the balance of a chain of fifty beams.
     known = is_concrete((topology, parameters, target))
-    return (found_equilibrium if known else _differentiable)(topology, parameters, target, solver)
+    return (search_in_coordinates if known else _differentiable)(topology, parameters, target, solver)
 
 
 @kernel
@@ -267,13 +281,13 @@ def lacking_at(
     topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
 ):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
-    free, fast, held = unknowns(topology)
-    wanted_x, wanted_e = held_values(topology, parameters, factors)
+    free, fast, constrained = unknowns(topology)
+    wanted_x, wanted_e = prescribed_values(topology, parameters, factors)
     x = put(at.x, fast, wanted_x[fast])
     e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
-    sigma = put(elastic_stress(topology, parameters, factors, e), held, at.multipliers)
+    sigma = put(elastic_stress(topology, parameters, factors, e), constrained, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, x)
-    return jnp.concatenate([force[free], (e - wanted_e)[held]])
+    return jnp.concatenate([force[free], (e - wanted_e)[constrained]])
 
 
 @kernel
@@ -301,7 +315,7 @@ def solution_at(
     fixed: Any = jax.lax.stop_gradient(elements)
 
     def matvec(z: Float[Array, "r"]):
-        return product(elements, z[:, None])[:, 0]
+        return saddle_product(elements, z[:, None])[:, 0]
 
     def solve(transposed: bool):
         return lambda _, right: _traced_answer(fixed, right, transposed=transposed, solver=solver)
@@ -314,15 +328,15 @@ def _balance_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple
     topology, parameters, factors = primals
     # Keep the derivative rule: values from known numbers may be traced here, and a search on the host needs known ones.
     solved = _differentiable(topology, parameters, factors, solver)
-    near = deformations(topology, parameters, solved.x, solved.near)
+    last_strain = deformations(topology, parameters, solved.x, solved.near)
     free, fast, _ = unknowns(topology)
 
     def equations(parameters: Parameters, factors: LoadFactors):
-        return lacking_at(topology, parameters, factors, near, solved)
+        return lacking_at(topology, parameters, factors, last_strain, solved)
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
-    _, moved = jvp_of_varied(lambda *numbers: held_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    z, code = solution_at(topology, parameters, factors, near, solved, -change, solver)
+    _, moved = jvp_of_varied(lambda *numbers: prescribed_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
+    z, code = solution_at(topology, parameters, factors, last_strain, solved, -change, solver)
     check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
@@ -363,8 +377,8 @@ def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFa
         return
     known: Any = jax.lax.stop_gradient((parameters, target, at))
     elements = _tangent(topology, *known[:2], known[2].near, known[2])
-    told = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
-    unstable = call_host(functools.partial(on_host_thread, told), (jax.ShapeDtypeStruct((), bool),), elements)[0]
+    is_unstable = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
+    unstable = call_host(functools.partial(on_host_thread, is_unstable), (jax.ShapeDtypeStruct((), bool),), elements)[0]
     collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 
@@ -379,7 +393,7 @@ def _is_unstable(elements: ElementMatrices, *, symmetric: bool) -> tuple[np.ndar
 @kernel
 def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors, at: Balanced):
     """Coordinates, deformations, stress resultants, gravity and motion, reactions and external forces."""
-    held = unknowns(topology)[2]
+    constrained = unknowns(topology)[2]
     e = deformations(topology, parameters, at.x, at.near)
     carried = e
     if at.strained is not None:
@@ -387,7 +401,7 @@ def _quantities(topology: Topology, parameters: Parameters, factors: LoadFactors
         known = at.strained if free is None else at.strained + free
         # The derivatives belong to the deformations of x.
         carried = e + jax.lax.stop_gradient(known - e)
-    sigma = put(elastic_stress(topology, parameters, factors, carried), held, at.multipliers)
+    sigma = put(elastic_stress(topology, parameters, factors, carried), constrained, at.multipliers)
     return at.x, e, sigma, *acting(topology, parameters, factors, at.x, e, sigma)
 
 
@@ -409,4 +423,4 @@ def acting(
     external = force + reactions
     if gravity is not None:
         external = external - weight(topology, parameters, x, gravity)
-    return Felt(gravity), reactions, external
+    return InertialLoad(gravity), reactions, external

@@ -13,9 +13,9 @@ from ..checks.mobility import shares
 from ..compilation.compile import jit
 from ..errors import warn
 from ..math.by_deformations import energies
-from ..math.element_matrices import ElementMatrices, Whole
+from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import diagonal_of, uneven
-from ..math.sparse import negative_where_held
+from ..math.sparse import negative_if_constrained
 from ..model.model import Model
 from ..numerical_limits import DEPENDENT_VECTOR, NEGATIVE_SHARE, STIFFNESS_ROUND_OFF, SYMMETRIC_STIFFNESS
 from ..results import RESULTS, collect, collects
@@ -88,14 +88,14 @@ def collect_unstable(parts: Sequence[Float[Array, "n n"]], structural: Float[Arr
 
 def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
     """Whether a stiffness in all coordinates has more negative pivots than constraints, or pivots are inconclusive."""
-    whole = Whole(elements)
-    tangent = whole.at()
-    factored = whole.factors(tangent)
+    assembled = AssembledEquations(elements)
+    tangent = assembled.at()
+    factored = assembled.factors(tangent)
     if not factored.regular:
         return False
     if symmetric:
-        return negative_where_held(tangent, factored, whole.n) != 0
-    return factored.sign * (-1) ** (tangent.shape[0] - whole.n) < 0
+        return negative_if_constrained(tangent, factored, assembled.n) != 0
+    return factored.sign * (-1) ** (tangent.shape[0] - assembled.n) < 0
 
 
 def has_negative_motion(elements: ElementMatrices) -> bool:
@@ -107,15 +107,15 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
     """
     import scipy.sparse
 
-    whole = Whole(elements)
-    n, factored = whole.n, whole.factors(whole.at())
+    assembled = AssembledEquations(elements)
+    n, factored = assembled.n, assembled.factors(assembled.at())
     if not factored.regular:
         return False
-    metric = abs(whole.structural[:n, :n].diagonal()) * STIFFNESS_ROUND_OFF + abs(whole.curved).sum(axis=1)
-    metric = whole.structural[:n, :n] + scipy.sparse.diags_array(metric)
+    metric = abs(assembled.structural[:n, :n].diagonal()) * STIFFNESS_ROUND_OFF + abs(assembled.curved).sum(axis=1)
+    metric = assembled.structural[:n, :n] + scipy.sparse.diags_array(metric)
 
     def flexed(motion: np.ndarray) -> np.ndarray:
-        return factored.solve(np.concatenate([metric @ motion, np.zeros(whole.elements.unknowns[1])]))[:n]
+        return factored.solve(np.concatenate([metric @ motion, np.zeros(assembled.elements.unknowns[1])]))[:n]
 
     basis, images = np.zeros((n, 0)), np.zeros((n, 0))
     motion = flexed(uneven(n, 1) * elements.sizes[elements.free])
@@ -138,7 +138,7 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
     softest = np.zeros((len(elements.sizes), 1))
     softest[elements.free, 0] = images @ shares[:, 0]
     elastic = float(energies(elements, softest)[0])
-    curved = float(softest[elements.free, 0] @ (whole.curved @ softest[elements.free, 0]))
+    curved = float(softest[elements.free, 0] @ (assembled.curved @ softest[elements.free, 0]))
     return bool(values[0] < 0 and elastic + curved < -NEGATIVE_SHARE * (abs(elastic) + abs(curved)))
 
 
@@ -150,13 +150,13 @@ def is_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
 def warn_of_unstable(model: Model, motions: Float[np.ndarray, "n_x k"] | None = None) -> None:
     """Warn that an equilibrium is not stable, with the motions of negative stiffness if they are known."""
     collect(RESULTS.unstable_state)
-    told = ""
+    note = ""
     if motions is not None:
         largest = [motion / (np.max(np.abs(motion)) or 1.0) for motion in motions.T[:NAMED]]
         named = [", ".join(f"{s.of}.{s.symbol}" for s in shares(m, model.labels.x)[:LARGEST]) for m in largest]
         more = ", .." if motions.shape[1] > NAMED else ""
-        told = f" in {motions.shape[1]} motion{'s' * (motions.shape[1] > 1)} ({'; '.join(named)}{more})"
+        note = f" in {motions.shape[1]} motion{'s' * (motions.shape[1] > 1)} ({'; '.join(named)}{more})"
     warn(
-        f"The equilibrium is not stable: its stiffness is negative{told}. No mechanism stays there by itself. Lower the"
+        f"The equilibrium is not stable: its stiffness is negative{note}. No mechanism stays there by itself. Lower the"
         " load, or follow the path to a stable state by fm.path(model, switch=True)."
     )

@@ -13,7 +13,7 @@ from ..compilation.record import Record
 from ..display import Labelled, States, Summary, course, span
 from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
-from ..mechanics.inertia import Felt
+from ..mechanics.inertia import InertialLoad
 from ..mechanics.loads import LoadFactors, lacks_potential
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
@@ -21,7 +21,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import ANSWERED, RESULTS, collect, or_nan
 from .coarse import warn_of_coarse
-from .equilibrium import Equilibrium, check_stiffness, factors_told, warn_of_increment
+from .equilibrium import Equilibrium, check_stiffness, load_factor_text, warn_of_increment
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
 
@@ -46,8 +46,8 @@ class Equilibria(ByName, Labelled, Record):
         """One of them, as for ``fm.stress(model, at=states[-1])``."""
         if not -len(self) <= number < len(self):
             raise IndexError(f"There are {len(self)} equilibria, numbered from 0. Number {number} is none of them.")
-        found, *factors = jax.tree.map(lambda array: array[number], (self.each, self.load_factor, self.increment))
-        return found.known(self.model, LoadFactors(*factors)) if is_concrete((found, self.model)) else found
+        state, *factors = jax.tree.map(lambda array: array[number], (self.each, self.load_factor, self.increment))
+        return state.known(self.model, LoadFactors(*factors)) if is_concrete((state, self.model)) else state
 
     def __len__(self) -> int:
         return self.increment.shape[0]
@@ -120,15 +120,15 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
         unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), symmetric=not lacks_potential(topology))
-        state = at.x, at.e, at.sigma, Felt(at.gravity), *outside, iterations, result
+        state = at.x, at.e, at.sigma, InertialLoad(at.gravity), *outside, iterations, result
         return begin, (state, unstable, factors)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
-    _, (found, unstable, reached) = jax.lax.scan(onward, start, targets)
-    codes = found[-1]
+    _, (states, unstable, reached) = jax.lax.scan(onward, start, targets)
+    codes = states[-1]
     failures = jnp.where(codes == RESULTS.critical_state, RESULTS.successful, codes)
     worst = jnp.where(jnp.any(failures != RESULTS.successful), jnp.max(failures), jnp.max(codes))
-    return found, worst.astype(jnp.int32), unstable, reached
+    return states, worst.astype(jnp.int32), unstable, reached
 
 
 @unguarded
@@ -174,30 +174,30 @@ def equilibria(
         warn_of_increment(model, "equilibria")
     elif model.parameters.increment is None:
         raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
-    given: dict[str, Any] = {"load_factor": load_factor, "increment": 0.0 if increment is None else increment}
-    for name, value in given.items():
+    named_factors: dict[str, Any] = {"load_factor": load_factor, "increment": 0.0 if increment is None else increment}
+    for name, value in named_factors.items():
         check_numbers(f"Argument `{name}`", value)
         if np.ndim(value) > 1:
             raise ValueError(
                 f"Argument `{name}` must be a list of factors, (states,), but has shape {np.shape(value)}."
             )
-    lengths = {len(value) for value in given.values() if np.ndim(value)}
+    lengths = {len(value) for value in named_factors.values() if np.ndim(value)}
     if len(lengths) != 1 or 0 in lengths:
         raise ValueError(
             "Give `increment` as a list of factors, or `load_factor`, or both of one length"
             f" (got {' and '.join(map(str, sorted(lengths))) or 'none'}). For one state there is fm.equilibrium."
         )
-    factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in given.values()]
+    factors = [jnp.broadcast_to(jnp.asarray(value, float), tuple(lengths)) for value in named_factors.values()]
     targets = LoadFactors(*factors)
-    found, worst, unstable, reached = _equilibria(model.topology, model.parameters, targets)
-    check_stiffness(model, worst, throw, _first_missed(model, found[-1], targets, reached))
-    each: Any = (*or_nan(found, found[-1], throw), model.labels)
-    if is_concrete((model, found, unstable)):
-        warn_of_coarse(model, each[1])
-        _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(found[-1]) == RESULTS.successful))
+    states, worst, unstable, reached = _equilibria(model.topology, model.parameters, targets)
+    check_stiffness(model, worst, throw, _first_missed(model, states[-1], targets, reached))
+    fields: Any = (*or_nan(states, states[-1], throw), model.labels)
+    if is_concrete((model, states, unstable)):
+        warn_of_coarse(model, fields[1])
+        _warn_of_unstable_ones(np.asarray(unstable) & (np.asarray(states[-1]) == RESULTS.successful))
     elif throw:
         collect(jnp.where(jnp.any(unstable), RESULTS.unstable_state, RESULTS.successful))
-    return Equilibria(factors[0], factors[1], Equilibrium(*each), model)
+    return Equilibria(factors[0], factors[1], Equilibrium(*fields), model)
 
 
 def _first_missed(model: Model, codes: Any, targets: LoadFactors, reached: LoadFactors) -> str:
@@ -206,7 +206,7 @@ def _first_missed(model: Model, codes: Any, targets: LoadFactors, reached: LoadF
     if not is_concrete((codes, targets, reached)) or np.all(answered := np.isin(codes, ANSWERED)):
         return ""
     first = int(np.argmin(answered))
-    at, up_to = (factors_told(model, jax.tree.map(lambda f: f[first], factors)) for factors in (targets, reached))
+    at, up_to = (load_factor_text(model, jax.tree.map(lambda f: f[first], factors)) for factors in (targets, reached))
     return (
         f"Of {len(answered)} equilibria, number {first} was the first not found, at {at}. Load steps reached {up_to}."
         " fm.path goes past a limit load."

@@ -9,13 +9,13 @@ from jaxtyping import Array, Float
 
 from ..arguments import computed
 from ..compilation.compile import jit
-from ..math.by_deformations import deformed, energies_between, forces_of
-from ..math.element_matrices import ElementMatrices, Pieces, Whole, by_coordinates
+from ..math.by_deformations import deformations_of_motions, energies_between, forces_of
+from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices, by_coordinates
 from ..math.indices import accumulate, put
 from ..math.sparse import SparseFactors
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import weight_pieces
 from ..mechanics.loads import LoadFactors, load_pieces, scaled_loads
 from ..mechanics.stress_resultants import (
@@ -50,25 +50,25 @@ def by_deformations(
     topology: Topology,
     parameters: Parameters,
     strain: Float[Array, "n_e"],
-    constraints: Pieces,
+    constraints: BlockMatrices,
     companion: str = "stiffness",
-) -> Pieces:
+) -> BlockMatrices:
     """Stiffness or damping of elements at rest by their deformations, zero for held ones, whose stress is a multiplier.
 
     Companions in another block than the deformation are found by the numbers of the deformations, in the same order.
     Returns pieces for each block that deforms, none without the companion.
     """
-    pieces = stiffness_pieces(topology, parameters, companion)
+    block_matrices = stiffness_pieces(topology, parameters, companion)
     if is_nonlinear(topology):
         _, *tangents = nonlinear_tangent_pieces(topology, parameters, strain, jnp.zeros_like(strain))
-        pieces = [*pieces, *tangents[companion == "damping"]]
-    if not pieces:
+        block_matrices = [*block_matrices, *tangents[companion == "damping"]]
+    if not block_matrices:
         return []
     widest = max(at.shape[1] for at, *_ in constraints)
-    kept = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
+    unconstrained = put(jnp.ones(topology.n_e), topology.e.held, 0.0)
     rows = jnp.zeros((topology.n_e, widest))
-    for at, by, matrices in pieces:
-        matrices = kept[at][:, :, None] * matrices * kept[by][:, None, :]
+    for at, by, matrices in block_matrices:
+        matrices = unconstrained[at][:, :, None] * matrices * unconstrained[by][:, None, :]
         rows = accumulate(rows, at, jnp.pad(matrices, ((0, 0), (0, 0), (0, widest - matrices.shape[2]))))
     return [(at, at, rows[at][:, :, : at.shape[1]]) for at, *_ in constraints]
 
@@ -94,7 +94,7 @@ def element_matrices(
     pulling = [] if loads.gravity is None else weight_pieces(topology, parameters, x, loads.gravity)
     pulling = [*pulling, *load_pieces(topology, parameters, factors, x)]
     curved = curvature_pieces(topology, parameters, x, near, sigma)
-    free, _, held = unknowns(topology)
+    free, _, constrained = unknowns(topology)
     elements = ElementMatrices(
         structural=by_coordinates(constraints, elastic),
         curved=[*curved, *((rows, columns, -matrices) for rows, columns, matrices in pulling)],
@@ -106,9 +106,9 @@ def element_matrices(
         viscous=[],
         lossy=[],
         free=free,
-        held=held,
-        sizes=sizes_of(topology, parameters),
-        kept=put(jnp.ones(topology.n_e), held, 0.0),
+        held=constrained,
+        sizes=coordinate_scales(topology, parameters),
+        kept=put(jnp.ones(topology.n_e), constrained, 0.0),
     )
     return elements, e
 
@@ -130,7 +130,7 @@ class Assembled:
     """Tangent of the equilibrium, on the host."""
 
     def __init__(self, elements: ElementMatrices):
-        self.whole = Whole(elements)
+        self.whole = AssembledEquations(elements)
         self.tangent = self.whole.at()
 
     def factors(self) -> SparseFactors:
@@ -139,7 +139,7 @@ class Assembled:
 
     def deformed(self, motion: np.ndarray) -> np.ndarray:
         """Deformations of a motion of all coordinates, (n_e,)."""
-        return deformed(self.whole.elements, motion[:, None])[:, 0]
+        return deformations_of_motions(self.whole.elements, motion[:, None])[:, 0]
 
     def forces_of(self, motions: np.ndarray) -> np.ndarray:
         """Changes of the equations by motions of all coordinates, (n + h, k)."""
@@ -155,6 +155,6 @@ class Assembled:
         return self.forces_of(self._spread(motions))[: self.whole.n]
 
     def _spread(self, motions: np.ndarray) -> np.ndarray:
-        whole = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
-        whole[self.whole.elements.free] = motions
-        return whole
+        all_motions = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
+        all_motions[self.whole.elements.free] = motions
+        return all_motions

@@ -13,14 +13,14 @@ from ..compilation.compile import jit, jit_beside_options
 from ..display import listed, short
 from ..errors import AnalysisError, ModelError, warn
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import extent_of, sizes_of
+from ..mechanics.extent import coordinate_scales, extent_of
 from ..mechanics.signals import combined, terms_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
-from ..motion.element_forces import deformed
+from ..motion.element_forces import deformations_and_slopes
 from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import measuring, under_inputs
 from ..motion.motion import Motion
@@ -75,10 +75,10 @@ def about(given: Any, function: str) -> About:
         return About(motion, given.u0, given.f0)
     u0 = motion.u if motion.u.shape[1] else jnp.zeros((count, inputs))
     u0 = u0 + inputs_that_move(motion)
-    for one in motion.driven:
-        if one.given is not None:
-            own = jax.lax.map(one.given, motion.t)
-            u0 = jnp.asarray(u0).at[:, one.of_input].add(jnp.reshape(own, (count,)))
+    for excitation in motion.driven:
+        if excitation.given is not None:
+            input_values = jax.lax.map(excitation.given, motion.t)
+            u0 = jnp.asarray(u0).at[:, excitation.of_input].add(jnp.reshape(input_values, (count,)))
     return About(motion, u0, jnp.zeros((count, motion.model.topology.n_q)))
 
 
@@ -109,16 +109,16 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
     moved = outputs_of(dataclasses.replace(motion, model=measuring_them))
     every = jnp.asarray(combined(labels.inputs, None if weights is None else weights[0]))
     moves = np.array([term.order is not None for term in terms])
-    whole = jnp.sum(jnp.where(moves, every, 0.0) ** 2, axis=1)
-    found = moved @ every[:, np.array(moving)].T / jnp.where(whole > 0, whole, 1.0)
-    if is_concrete((found, moved, motion.xd)):
-        _tell_of_parts(
-            motion, np.asarray(found), np.asarray(every), dict(zip(moving, np.asarray(moved).T, strict=True))
+    squares = jnp.sum(jnp.where(moves, every, 0.0) ** 2, axis=1)
+    input_motion = moved @ every[:, np.array(moving)].T / jnp.where(squares > 0, squares, 1.0)
+    if is_concrete((input_motion, moved, motion.xd)):
+        _warn_of_parts(
+            motion, np.asarray(input_motion), np.asarray(every), dict(zip(moving, np.asarray(moved).T, strict=True))
         )
-    return found
+    return input_motion
 
 
-def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: dict[int, np.ndarray]) -> None:
+def _warn_of_parts(motion: Motion, input_motion: np.ndarray, every: np.ndarray, moved: dict[int, np.ndarray]) -> None:
     """Warn of an input whose parts do not move together; constant distances are allowed."""
     sizes = extent_of(motion.model.topology, motion.model.parameters), np.max(np.abs(motion.xd), initial=0.0)
     span = float(np.ptp(np.asarray(motion.t))) or 1.0
@@ -128,10 +128,10 @@ def _tell_of_parts(motion: Motion, found: np.ndarray, every: np.ndarray, moved: 
         for place, term in enumerate(signal.terms, first):
             if len(signal.terms) == 1 or term.order is None:
                 continue
-            own = moved.get(place, np.zeros(len(found)))
-            apart = found[:, number] * every[number, place] - own
-            apart = apart - apart[0] * (term.order == 0)
-            if np.max(np.abs(apart)) > APART * np.max(np.abs(own)) + floors[term.order]:
+            part_motion = moved.get(place, np.zeros(len(input_motion)))
+            difference = input_motion[:, number] * every[number, place] - part_motion
+            difference = difference - difference[0] * (term.order == 0)
+            if np.max(np.abs(difference)) > APART * np.max(np.abs(part_motion)) + floors[term.order]:
                 warn(
                     f"Input '{signal.name}' moves several coordinates together, but in this motion they move"
                     " differently. Its nominal value is nearest to all of them."
@@ -155,27 +155,27 @@ def _freedoms(
 ):
     form = coordinates_form(topology, parameters)
 
-    def one(at: tuple[Array, ...]):
-        x, xd, near = at
-        e, jacobian = deformed(form.elements, x, near)
-        own = jnp.concatenate([(x - parameters.reference)[topology.x.dof], e[topology.e.dof]])
-        return own, jnp.concatenate([xd[topology.x.dof], (jacobian @ xd)[topology.e.dof]])
+    def at_one_time(at: tuple[Array, ...]):
+        x, xd, last_strain = at
+        e, jacobian = deformations_and_slopes(form.elements, x, last_strain)
+        freedoms = jnp.concatenate([(x - parameters.reference)[topology.x.dof], e[topology.e.dof]])
+        return freedoms, jnp.concatenate([xd[topology.x.dof], (jacobian @ xd)[topology.e.dof]])
 
-    return jax.lax.map(one, (x, xd, near))
+    return jax.lax.map(at_one_time, (x, xd, near))
 
 
-def released(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
+def cancelling_loads(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
     """Loads that cancel, along a motion, the forces that hold the degrees of freedom."""
     top = model.topology
     n = top.x.dof.shape[0]
     if is_concrete(held) and not np.any(np.asarray(held)):
         return ()
-    found = []
+    loads = []
     if n:
-        found.append(Driven("force", top.x.dof, Table(t, -held[:, :n])))
+        loads.append(Driven("force", top.x.dof, Table(t, -held[:, :n])))
     if top.n_q > n:
-        found.append(Driven("stress", top.e.dof, Table(t, held[:, n:])))
-    return tuple(found)
+        loads.append(Driven("stress", top.e.dof, Table(t, held[:, n:])))
+    return tuple(loads)
 
 
 def check_freedoms(motion: Motion) -> None:
@@ -203,7 +203,7 @@ def check_freedoms(motion: Motion) -> None:
 def _sides(model: Model, x: Float[Array, "n_t n_x"], near: Float[Array, "n_t n_e"]) -> Float[Array, "n_t"]:
     """Signs of determinants of the derivatives of given deformations by dependent coordinates, scaled."""
     top, parameters = model.topology, model.parameters
-    sizes = sizes_of(top, parameters)[top.x.dependent]
+    sizes = coordinate_scales(top, parameters)[top.x.dependent]
 
     def side(at: tuple[Array, Array]):
         rows = deformation_jacobian(top, parameters, *at)[1][top.e.given][:, top.x.dependent] * sizes
@@ -240,11 +240,11 @@ def _outputs(model: Model, driven: tuple[Driven, ...], rows: tuple[Array, ...]):
     undriven = coordinates_form(model.topology, model.parameters, driven)
     sensors = measuring(model, undriven, None)
 
-    def one(at: tuple[Array, ...]):
-        t, x, xd, near, u = at
-        own = undriven.state_of(x, xd, near)
+    def at_one_time(at: tuple[Array, ...]):
+        t, x, xd, last_strain, u = at
+        state = undriven.state_of(x, xd, last_strain)
         # Outputs without forces are known for motions without mass too.
-        z = under_inputs(model, undriven, u).acceleration(t, own)[0] if sensors.places.late else None
-        return sensors.measured(t, own, z, u)
+        z = under_inputs(model, undriven, u).acceleration(t, state)[0] if sensors.places.late else None
+        return sensors.measured(t, state, z, u)
 
-    return jax.lax.map(one, rows)
+    return jax.lax.map(at_one_time, rows)

@@ -24,7 +24,7 @@ class Spline(Record):
         return p + s * (v0 + s * (3 * change - 2 * v0 - v1 + s * (v0 + v1 - 2 * change)))
 
 
-def spline(t: Float[Array, "n_t"], values: Float[Array, "n_t ..."]) -> Spline:
+def cubic_spline(t: Float[Array, "n_t"], values: Float[Array, "n_t ..."]) -> Spline:
     """Cubic spline without knots at the second and the last but one time, as SciPy's ``CubicSpline``.
 
     Times ascend. Through two values the spline is a line, through three a parabola. Source: THEORY.md 14, eq. (14.20):

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import checked_times, is_concrete, shown
+from ..arguments import checked_times, is_concrete, short_repr
 from ..compilation.record import Record, static
 from ..control.state_space import state_matrices
 from ..display import Result, Summary, among, listed, short, span
@@ -100,7 +100,9 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     """
     a, b, c, d, inputs, outputs = _system(system)
     if not isinstance(trajectory, Mapping) or not trajectory:
-        raise ModelError(f"Argument `trajectory` must be a dictionary of outputs and laws, not {shown(trajectory)}.")
+        raise ModelError(
+            f"Argument `trajectory` must be a dictionary of outputs and laws, not {short_repr(trajectory)}."
+        )
     if not is_concrete(times):
         raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
     grid = checked_times(times)
@@ -160,9 +162,9 @@ def _system(system: Any):
         labels = system.labels
         if not is_concrete(jax.tree.leaves(system)):
             raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
-        found, _ = state_matrices(system)
+        matrices, _ = state_matrices(system)
         inputs, outputs = ([s.name for s in some] for some in (labels.inputs, labels.outputs))
-        parts = found
+        parts = matrices
     elif all(hasattr(system, name) for name in "ABCD"):
         if getattr(system, "dt", 0):
             raise ModelError("Stable inversion takes a continuous system, not a sampled one.")
@@ -170,7 +172,7 @@ def _system(system: Any):
         inputs, outputs = list(system.input_labels), list(system.output_labels)
     else:
         raise TypeError(
-            f"Stable inversion takes a Model, a Linearization or a control.StateSpace, not {shown(system)}."
+            f"Stable inversion takes a Model, a Linearization or a control.StateSpace, not {short_repr(system)}."
         )
     a, b, c, d = (np.asarray(part, float) for part in parts)
     if a.ndim != 2:
@@ -184,16 +186,16 @@ def _inverse(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, names: 
 
     n, degrees, chains, rows, gains = len(a), [], [], [], []
     for i, name in enumerate(names):
-        row, own, through = c[i], [], d[i]
+        row, output_rows, through = c[i], [], d[i]
         size = np.abs(d[i])
         while not np.any(np.abs(through) > ZERO_OF_TERMS * size):
-            own.append(row)
-            if len(own) > n:
+            output_rows.append(row)
+            if len(output_rows) > n:
                 raise ModelError(f"Output '{name}' cannot be moved by the inputs.")
             through, size = row @ b, np.abs(row) @ np.abs(b)
             row = row @ a
-        degrees.append(len(own))
-        chains += own
+        degrees.append(len(output_rows))
+        chains += output_rows
         rows.append(row)
         gains.append(through)
     # An output of degree zero is y = C z + D u; others have y^(r) = C A^r z + C A^(r-1) B u.
@@ -236,10 +238,10 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
     for order in range(degree):
         begins, ends, largest = [], [], 0.0
         for piece, length in zip(coefficients, lengths, strict=True):
-            own = np.polynomial.Polynomial(piece).deriv(order) if order else np.polynomial.Polynomial(piece)
-            begins.append(float(own(0.0)))
-            ends.append(float(own(length)))
-            largest = max(largest, float(np.sum(np.abs(own.coef) * length ** np.arange(len(own.coef)))))
+            polynomial = np.polynomial.Polynomial(piece).deriv(order) if order else np.polynomial.Polynomial(piece)
+            begins.append(float(polynomial(0.0)))
+            ends.append(float(polynomial(length)))
+            largest = max(largest, float(np.sum(np.abs(polynomial.coef) * length ** np.arange(len(polynomial.coef)))))
         before = [begins[0] if order == 0 else 0.0, *ends]
         after = [*begins, ends[-1] if order == 0 else 0.0]
         jumps = np.abs(np.array(before) - np.array(after))
@@ -256,13 +258,13 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
 
     def derivatives(t: Float[Array, ""]):
         """Outputs and their derivatives below the relative degree, then the derivatives of this degree."""
-        found = []
+        values_by_law = []
         for law, own in zip(laws, inverse.degrees, strict=True):
             functions = [law]
             for _ in range(own):
                 functions.append(_derivative(functions[-1]))
-            found.append([f(t) for f in functions])
-        return jnp.stack([v for own in found for v in own[:-1]] + [own[-1] for own in found])
+            values_by_law.append([f(t) for f in functions])
+        return jnp.stack([v for own in values_by_law for v in own[:-1]] + [own[-1] for own in values_by_law])
 
     every = jax.jit(jax.vmap(derivatives))
     at = np.asarray(every(jnp.asarray(grid)))
@@ -295,8 +297,8 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
     """Internal states: the decaying part from the first time on, the growing part from the last time back."""
     import scipy.linalg
 
-    found: Any = scipy.linalg.schur(inverse.q, sort="lhp")
-    t, z, stable = found
+    decomposition: Any = scipy.linalg.schur(inverse.q, sort="lhp")
+    t, z, stable = decomposition
     p = z.T @ inverse.p
     # Separate both parts: T11 X - X T22 = -T12.
     x = scipy.linalg.solve_sylvester(t[:stable, :stable], -t[stable:, stable:], -t[:stable, stable:])
@@ -306,9 +308,9 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
     # Between two times the wanted outputs are a polynomial of the share of the interval, through Chebyshev's points.
     nodes = (1 - np.cos(np.pi * (2 * np.arange(DEGREE + 1) + 1) / (2 * DEGREE + 2))) / 2
     places = (grid[:-1, None] + nodes * lengths[:, None]).ravel()
-    wanted = np.asarray(every(jnp.asarray(places))).reshape(len(lengths), DEGREE + 1, -1)
+    followed = np.asarray(every(jnp.asarray(places))).reshape(len(lengths), DEGREE + 1, -1)
     to_powers = np.linalg.inv(np.polynomial.polynomial.polyvander(nodes - 0.5, DEGREE))
-    about_middle = np.einsum("pn,ind->ipd", to_powers, wanted)
+    about_middle = np.einsum("pn,ind->ipd", to_powers, followed)
 
     def steps(q: np.ndarray, p: np.ndarray, backwards: bool):
         """States from interval to interval, in the direction in which they decay."""
@@ -327,13 +329,13 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
         first = at[-1 if backwards else 0].copy()
         still = _at_rest(first, inverse.degrees)
         state[-1 if backwards else 0] = -np.linalg.solve(q, p @ still)
-        kept: dict[float, np.ndarray] = {}
+        transitions: dict[float, np.ndarray] = {}
         for i in order:
             key = float(f"{lengths[i]:.12g}")
-            if key not in kept:
-                kept[key] = _transition(direction * q, direction * p, lengths[i])
+            if key not in transitions:
+                transitions[key] = _transition(direction * q, direction * p, lengths[i])
             start, end = (i + 1, i) if backwards else (i, i + 1)
-            state[end] = kept[key] @ np.concatenate([state[start], begun[i].ravel()])
+            state[end] = transitions[key] @ np.concatenate([state[start], begun[i].ravel()])
         return state
 
     parts = [
@@ -359,22 +361,22 @@ def _transition(q: np.ndarray, p: np.ndarray, length: float) -> np.ndarray:
     import scipy.linalg
 
     n, m = p.shape
-    whole = np.zeros((n + (DEGREE + 1) * m,) * 2)
-    whole[:n, :n], whole[:n, n : n + m] = q * length, p * length
-    whole[n:-m, n + m :] = np.eye(DEGREE * m)
-    return scipy.linalg.expm(whole)[:n]
+    augmented = np.zeros((n + (DEGREE + 1) * m,) * 2)
+    augmented[:n, :n], augmented[:n, n : n + m] = q * length, p * length
+    augmented[n:-m, n + m :] = np.eye(DEGREE * m)
+    return scipy.linalg.expm(augmented)[:n]
 
 
 def _error_from_rest(a: np.ndarray, c: np.ndarray, z: np.ndarray, grid: np.ndarray) -> float:
     """Largest output of the part that a start from rest leaves out, in free motion."""
     import scipy.linalg
 
-    missing, lengths, kept = -z[0], np.diff(grid), {}
+    missing, lengths, transitions = -z[0], np.diff(grid), {}
     largest = float(np.max(np.abs(c @ missing), initial=0.0))
     for length in lengths:
         key = float(f"{length:.12g}")
-        if key not in kept:
-            kept[key] = scipy.linalg.expm(a * length)
-        missing = kept[key] @ missing
+        if key not in transitions:
+            transitions[key] = scipy.linalg.expm(a * length)
+        missing = transitions[key] @ missing
         largest = max(largest, float(np.max(np.abs(c @ missing), initial=0.0)))
     return largest

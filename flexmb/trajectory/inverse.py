@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
-from ..arguments import checked_times, computed, is_concrete, shown
+from ..arguments import checked_times, computed, is_concrete, short_repr
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, States, Summary, among, listed, short, span
@@ -19,21 +19,21 @@ from ..math.derivative import DIFFERENTIATED
 from ..math.indices import accumulate, put
 from ..math.linear import factorise
 from ..math.rotation import rotation_since
-from ..mechanics.deformation import Transfer, correction, deformations, transfer, zero_near
-from ..mechanics.extent import sizes_of
+from ..mechanics.deformation import Transfer, correction, deformations, transfer, zero_strain
+from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, rotation_row
 from ..model.by_name import turn_of
-from ..model.model import Model, Signal, as_determined, as_known
+from ..model.model import Model, Signal, as_determined, as_known_model
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.drives_by_name import Drives, driven_by
-from ..motion.element_forces import Moving, deformed
+from ..motion.element_forces import Moving, deformations_and_slopes
 from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import under_inputs
 from ..motion.motion import Motion
-from ..motion.moving_matrices import carried, dynamic_balance
+from ..motion.moving_matrices import dynamic_balance, state_at_rates
 from ..numerical_limits import MISSED_CONFIGURATION
-from ..results import RESULTS, check, or_nan, told
+from ..results import RESULTS, check, or_nan, outcome_text
 from ..statics.coarse import warn_of_needless_strain
 from .about_motion import outputs_of
 from .laws import Law, as_law, rates, sampled
@@ -61,7 +61,7 @@ class Quantity(Record):
     axis: Int[Array | np.ndarray, ""]
 
 
-class Wanted(Record):
+class FollowedQuantity(Record):
     """A quantity that follows a law of time."""
 
     place: Quantity
@@ -118,24 +118,26 @@ class Nominal(Labelled, Record):
     def quantities_by_name(self) -> Quantities:
         """Inputs, outputs and holding forces by time."""
         labels = self.motion.labels
-        along, found = {"time": Column(("time",), self.t, "s")}, {}
+        along, columns = {"time": Column(("time",), self.t, "s")}, {}
         for name, signals, values in (("input", labels.inputs, self.u0), ("output", labels.outputs, self.y0)):
             along[name] = Column((name,), np.array([signal.name for signal in signals]))
             units = np.array([signal.port(labels).unit for signal in signals])
-            found[f"nominal_{name}"] = Column(("time", name), values, units)
+            columns[f"nominal_{name}"] = Column(("time", name), values, units)
         along["freedom"] = Column(("freedom",), np.array(self.motion.model.q_labels))
-        found["holding_force"] = Column(("time", "freedom"), self.f0)
-        return Quantities(("time",), along, found)
+        columns["holding_force"] = Column(("time", "freedom"), self.f0)
+        return Quantities(("time",), along, columns)
 
     def summary(self) -> Summary:
         """Return the outcome, and the range of each input and output."""
-        rows = {"result": told(np.max(np.asarray(self.result))), "times": str(len(self.t))}
+        rows = {"result": outcome_text(np.max(np.asarray(self.result))), "times": str(len(self.t))}
         labels = self.motion.labels
         for word, signals, values in (("input", labels.inputs, self.u0), ("output", labels.outputs, self.y0)):
             for i, signal in enumerate(signals):
                 rows[f"{word} {signal.name}"] = span(values[:, i], "")
-        held = np.max(np.abs(np.asarray(self.f0)), axis=0, initial=0.0)
-        names = [f"{name} {short(f)}" for name, f in zip(self.motion.model.q_labels, held, strict=True) if f > 0]
+        largest_forces = np.max(np.abs(np.asarray(self.f0)), axis=0, initial=0.0)
+        names = [
+            f"{name} {short(f)}" for name, f in zip(self.motion.model.q_labels, largest_forces, strict=True) if f > 0
+        ]
         if names:
             rows["largest forces that hold"] = listed(names)
         return Summary("Nominal motion along a trajectory", rows)
@@ -190,49 +192,51 @@ def inverse_dynamics(
     as_determined(model, "trajectory.inverse_dynamics")
     times = jnp.asarray(checked_times(times), float)
     if not isinstance(trajectory, Mapping) or not trajectory:
-        raise ModelError(f"Argument `trajectory` must be a dictionary of names and laws, not {shown(trajectory)}.")
-    wanted, prescribed = _sorted(model, trajectory)
-    moved = _driven_freedoms(model, wanted, driven)
+        raise ModelError(f"Argument `trajectory` must be a dictionary of names and laws, not {short_repr(trajectory)}.")
+    targets, prescribed = _sorted(model, trajectory)
+    moved = _driven_freedoms(model, targets, driven)
     acting = _acting_inputs(model, inputs, len(moved))
     _check_inputs(model)
     laws = driven_by(model, Drives(motion=prescribed)) if prescribed else ()
-    names = list(wanted)
-    found = _nominal(model.without_names(), laws, tuple(wanted[n] for n in names), tuple(moved), tuple(acting), times)
-    if throw and is_concrete(found):
-        laws_by_name = {**{name: one.law for name, one in wanted.items()}, **prescribed}
-        _explain(model, names, laws_by_name, found, np.asarray(times))
-    check(found.result, throw)
-    found = or_nan(found, found.result, throw)
-    if is_concrete((model, found)):
-        _warn_of_needless_strain(model, np.asarray(found.near), np.asarray(times))
+    names = list(targets)
+    solution = _nominal(
+        model.without_names(), laws, tuple(targets[n] for n in names), tuple(moved), tuple(acting), times
+    )
+    if throw and is_concrete(solution):
+        laws_by_name = {**{name: target.law for name, target in targets.items()}, **prescribed}
+        _explain(model, names, laws_by_name, solution, np.asarray(times))
+    check(solution.result, throw)
+    solution = or_nan(solution, solution.result, throw)
+    if is_concrete((model, solution)):
+        _warn_of_needless_strain(model, np.asarray(solution.near), np.asarray(times))
     count = len(times)
-    loads = _as_loads(model, times, found.u0, found.f0)
+    loads = _as_loads(model, times, solution.u0, solution.f0)
     none, no_steps = jax.device_put((np.zeros((count, 0)), np.zeros((), np.int32)))
     motion = Motion(
         times,
-        found.x,
-        found.xd,
-        found.near,
+        solution.x,
+        solution.xd,
+        solution.near,
         none,
         no_steps,
-        computed(lambda xp, result: xp.max(result), found.result),
+        computed(lambda xp, result: xp.max(result), solution.result),
         (*laws, *loads),
         model,
         "coordinates",
         "inverse dynamics",
     )
-    y0 = found.y0
+    y0 = solution.y0
     if _are_of_the_motion(model.labels.outputs):
         warn_of_full_turns(motion, model.parameters.reference)
     else:
         y0 = outputs_of(motion)
-        if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(found.result) == 0])):
+        if is_concrete(y0) and not np.all(np.isfinite(np.asarray(y0)[np.asarray(solution.result) == 0])):
             raise AnalysisError(
                 "singular_mass",
                 "An output that needs forces or combines others is not determined: a coordinate carries no mass. Give"
                 " the coordinate mass, or leave the output out.",
             )
-    return Nominal(motion, found.u0, y0, found.f0, found.result)
+    return Nominal(motion, solution.u0, y0, solution.f0, solution.result)
 
 
 def _warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_t n_e"], times: Float[np.ndarray, "n_t"]) -> None:
@@ -261,7 +265,7 @@ class _AtTimes(NamedTuple):
     moves: Any
 
 
-def place_of(model: Model, name: str) -> Quantity | None:
+def quantity_place(model: Model, name: str) -> Quantity | None:
     """Place of a named quantity: "stage.x", "arm.phi", "arm.rz", "hinge.e1" or an output; None for an unknown name.
 
     Raises ModelError: The name is an output that measures a rate.
@@ -290,18 +294,20 @@ def _place_of_signal(signal: Signal) -> Quantity:
     return Quantity("e" if signal.quantity in DEFORMATION_ORDERS else "x", index, axis)
 
 
-def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str, Wanted], dict[str, Callable]]:
+def _sorted(
+    model: Model, trajectory: Mapping[str, Callable]
+) -> tuple[dict[str, FollowedQuantity], dict[str, Callable]]:
     """Laws of free quantities, and laws of PRESCRIBED ones."""
-    top = as_known(model, "trajectory.inverse_dynamics", numbers=False).topology
-    given = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
+    top = as_known_model(model, "trajectory.inverse_dynamics", numbers=False).topology
+    prescribed_indices = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
     fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
     e_names = [str(entry) for entry in model.labels.e]
-    wanted, prescribed = {}, {}
+    targets, prescribed = {}, {}
     for name, law in trajectory.items():
         law = as_law(f"Trajectory '{name}'", law)
         turn = f"{turn_of(str(name))}.e1"
-        place = place_of(model, name)
-        if turn in e_names and e_names.index(turn) in given["e"]:
+        place = quantity_place(model, name)
+        if turn in e_names and e_names.index(turn) in prescribed_indices["e"]:
             prescribed[name] = law
         elif place is None:
             known = [*model.q_labels, *(signal.name for signal in model.labels.outputs)]
@@ -309,60 +315,60 @@ def _sorted(model: Model, trajectory: Mapping[str, Callable]) -> tuple[dict[str,
                 f"Trajectory '{name}' names no coordinate, deformation or output. There are, among others,"
                 f" {among(known, name)}."
             )
-        elif place.quantity in given and int(place.index) in given[place.quantity]:
-            own = model.labels.x if place.quantity == "x" else model.labels.e
-            prescribed[str(own[int(place.index)])] = law
+        elif place.quantity in prescribed_indices and int(place.index) in prescribed_indices[place.quantity]:
+            labels = model.labels.x if place.quantity == "x" else model.labels.e
+            prescribed[str(labels[int(place.index)])] = law
         elif place.quantity in fixed and int(place.index) in fixed[place.quantity]:
             raise ModelError(f"Trajectory '{name}' belongs to a FIXED coordinate or deformation, which cannot move.")
         else:
-            wanted[name] = Wanted(place, law)
-    return wanted, prescribed
+            targets[name] = FollowedQuantity(place, law)
+    return targets, prescribed
 
 
-def _driven_freedoms(model: Model, wanted: dict[str, Wanted], driven: Sequence[str] | None) -> list[int]:
+def _driven_freedoms(model: Model, targets: dict[str, FollowedQuantity], driven: Sequence[str] | None) -> list[int]:
     """Driven degrees of freedom as indices in q: driven by the trajectory, and driven by other laws."""
     top, names = model.topology, model.q_labels
     x_dof, e_dof = np.asarray(top.x.dof).tolist(), np.asarray(top.e.dof).tolist()
-    own, followed = [], []
-    for name, one in wanted.items():
-        index = int(one.place.index)
-        if one.place.quantity == "x" and index in x_dof:
-            own.append(x_dof.index(index))
-        elif one.place.quantity == "e" and index in e_dof:
-            own.append(len(x_dof) + e_dof.index(index))
+    target_freedoms, followed = [], []
+    for name, target in targets.items():
+        index = int(target.place.index)
+        if target.place.quantity == "x" and index in x_dof:
+            target_freedoms.append(x_dof.index(index))
+        elif target.place.quantity == "e" and index in e_dof:
+            target_freedoms.append(len(x_dof) + e_dof.index(index))
         else:
             followed.append(name)
-    if len(set(own)) < len(own):
+    if len(set(target_freedoms)) < len(target_freedoms):
         raise ModelError("Two laws of `trajectory` belong to the same degree of freedom: leave one out.")
     if driven is not None:
         as_written = {name.replace(".rotation.", "."): name for name in names}
-        given = [as_written.get(name, name) for name in driven]
-        unknown = [name for name in given if name not in names]
+        written = [as_written.get(name, name) for name in driven]
+        unknown = [name for name in written if name not in names]
         if isinstance(driven, str) or unknown:
-            said = driven if isinstance(driven, str) else unknown[0]
+            rejected = driven if isinstance(driven, str) else unknown[0]
             raise ModelError(
-                f"Argument `driven` must be a list of degrees of freedom, {among(names, said)}; not {said!r}."
+                f"Argument `driven` must be a list of degrees of freedom, {among(names, rejected)}; not {rejected!r}."
             )
-        chosen = [names.index(name) for name in given]
-        chosen = own + [i for i in chosen if i not in own]
-        if len(chosen) != len(wanted):
+        chosen = [names.index(name) for name in written]
+        chosen = target_freedoms + [i for i in chosen if i not in target_freedoms]
+        if len(chosen) != len(targets):
             raise ModelError(
-                f"Argument `driven`: there are {len(wanted)} laws, of {among(wanted)}, but {len(chosen)} degrees of"
+                f"Argument `driven`: there are {len(targets)} laws, of {among(targets)}, but {len(chosen)} degrees of"
                 " freedom are driven. There must be as many."
             )
         return chosen
-    rest = [i for i in range(top.n_q) if i not in own]
+    remaining = [i for i in range(top.n_q) if i not in target_freedoms]
     # Stiffness does not matter if all remaining freedoms follow.
-    stiff = _stiff(model) if followed and len(followed) != len(rest) else set()
-    soft = [i for i in rest if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
-    for chosen in ([] if not followed else soft, rest):
+    stiff = _stiff(model) if followed and len(followed) != len(remaining) else set()
+    soft = [i for i in remaining if i < len(x_dof) or e_dof[i - len(x_dof)] not in stiff]
+    for chosen in ([] if not followed else soft, remaining):
         if len(chosen) == len(followed):
-            return own + chosen
+            return target_freedoms + chosen
     if not followed:
-        return own
+        return target_freedoms
     raise ModelError(
         f"Trajectory of {among(followed)}: {len(followed)} degrees of freedom must be driven to follow it, of"
-        f" {among([names[i] for i in rest]) if rest else 'none that are left'}. Name them by `driven`."
+        f" {among([names[i] for i in remaining]) if remaining else 'none that are left'}. Name them by `driven`."
     )
 
 
@@ -384,8 +390,8 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
     else:
         unknown = [name for name in inputs if name not in names]
         if isinstance(inputs, str) or unknown:
-            said = inputs if isinstance(inputs, str) else unknown[0]
-            raise ModelError(f"Argument `inputs` must be a list of inputs, {among(names, said)}; not {said!r}.")
+            rejected = inputs if isinstance(inputs, str) else unknown[0]
+            raise ModelError(f"Argument `inputs` must be a list of inputs, {among(names, rejected)}; not {rejected!r}.")
         if len(set(inputs)) < len(inputs):
             raise ModelError(f"Argument `inputs` names an input twice: {among(inputs)}.")
         chosen = [names.index(name) for name in inputs]
@@ -417,26 +423,26 @@ def _check_inputs(model: Model) -> None:
             )
 
 
-def _explain(model: Model, names: list[str], laws: dict[str, Callable], found: _AtTimes, times: np.ndarray) -> None:
+def _explain(model: Model, names: list[str], laws: dict[str, Callable], solution: _AtTimes, times: np.ndarray) -> None:
     """Raise with the first failing time, and with the quantity that nothing moves or that goes too far."""
-    codes = np.asarray(found.result)
+    codes = np.asarray(solution.result)
     if not np.any(codes):
         return
     first = int(np.flatnonzero(codes)[0])
-    moves = np.asarray(found.moves)[first]
+    moves = np.asarray(solution.moves)[first]
     still = [name for name, part in zip(names, moves, strict=True) if part == 0]
     if still:
         raise ModelError(f"Trajectory of {among(still)}: no driven degree of freedom moves it.")
-    sizes, most = np.asarray(sizes_of(model.topology, model.parameters)), MOST_STEPS * STEP
+    sizes, most = np.asarray(coordinate_scales(model.topology, model.parameters)), MOST_STEPS * STEP
     for name, law in laws.items():
-        now, before = (np.asarray(rates(law, jnp.asarray(times[i]))) for i in (first, max(first - 1, 0)))
-        if not np.all(np.isfinite(now)):
+        current, before = (np.asarray(rates(law, jnp.asarray(times[i]))) for i in (first, max(first - 1, 0)))
+        if not np.all(np.isfinite(current)):
             raise ModelError(
                 f"Trajectory '{name}': its law, or a derivative of it, is not finite at {short(times[first])} s."
             )
-        place = place_of(model, name)
+        place = quantity_place(model, name)
         size = sizes[place.index] if place is not None and place.quantity == "x" else 1.0
-        if abs(now[0] - (before[0] if first else 0.0)) > most * size:
+        if abs(current[0] - (before[0] if first else 0.0)) > most * size:
             since = f"between t = {short(times[first - 1])} and" if first else "from the undeformed mechanism to t ="
             raise AnalysisError(
                 RESULTS.outside_workspace.name,
@@ -460,9 +466,11 @@ def _measured(
         elif place.quantity == "e":
             values.append(e[place.index])
         else:
-            own = place.index + jnp.arange(4)
+            rotation_indices = place.index + jnp.arange(4)
             local = place.quantity == "local rotation"
-            values.append(rotation_since(parameters.reference[own], x[own], local)[place.axis])
+            values.append(
+                rotation_since(parameters.reference[rotation_indices], x[rotation_indices], local)[place.axis]
+            )
     return jnp.stack(values) if values else jnp.zeros(0)
 
 
@@ -496,7 +504,7 @@ class _Follower(NamedTuple):
     """A mechanism that follows laws: equations, laws, numbers of the driven freedoms, and sizes of the coordinates."""
 
     form: CoordinatesForm
-    wanted: tuple[Wanted, ...]
+    wanted: tuple[FollowedQuantity, ...]
     moved: tuple[int, ...]
     sizes: Float[Array, "n_x"]
 
@@ -506,7 +514,7 @@ class _Follower(NamedTuple):
 
     def measured(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "k"]:
         """Wanted quantities of a configuration."""
-        return _measured(self.form, [one.place for one in self.wanted], x, near)
+        return _measured(self.form, [target.place for target in self.wanted], x, near)
 
     def rows(self, tangent: Transfer, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> tuple[Array, Array]:
         """Derivatives of wanted quantities by the coordinates, and by driven quantities."""
@@ -517,15 +525,15 @@ class _Follower(NamedTuple):
         """Everything that is given at a time."""
         form = self.form
         none, start = jnp.zeros(form.size), form.parameters.start
-        whole = form.whole(t, none, none, none)
-        values = [jnp.asarray(one.law(t), float) for one in self.wanted]
+        prescribed = form.whole(t, none, none, none)
+        values = [jnp.asarray(target.law(t), float) for target in self.wanted]
         q = jnp.zeros(form.topology.n_q) if start is None else jnp.asarray(start[0])
-        return (whole.x, whole.e), jnp.stack(values) if values else jnp.zeros(0), q
+        return (prescribed.x, prescribed.e), jnp.stack(values) if values else jnp.zeros(0), q
 
     def distance(self, a: _Goal, b: _Goal) -> Float[Array, ""]:
         """Largest change between two goals, as a share of the mechanism's extent or in radians."""
         (x, e), target, q = jax.tree.map(lambda a, b: b - a, a, b)
-        places = [one.place for one in self.wanted]
+        places = [item.place for item in self.wanted]
         of_target = [self.sizes[p.index] if p.quantity == "x" else jnp.array(1.0) for p in places]
         parts = (x / self.sizes, e, target / (jnp.stack(of_target) if places else 1.0), q)
         return jnp.max(jnp.abs(jnp.concatenate(parts)), initial=0.0)
@@ -538,7 +546,7 @@ class _Follower(NamedTuple):
         q = put(held_q, driven, at.q[driven]) if moved else held_q
         x_wanted = put(held_x, top.x.dof, form.parameters.reference[top.x.dof] + q[:n])
         e_wanted = put(put(jnp.zeros(top.n_e), form.held, held_e), top.e.dof, q[n:])
-        e, jacobian = deformed(form.elements, at.x, at.near)
+        e, jacobian = deformations_and_slopes(form.elements, at.x, at.near)
         tangent = transfer(top, jacobian)
         shift = put(jnp.zeros(top.n_x), top.x.given, (x_wanted - at.x)[top.x.given])
         change = correction(top, tangent, e - e_wanted + jacobian @ shift, shift)
@@ -562,8 +570,8 @@ class _Follower(NamedTuple):
 
         def step(loop: tuple[Any, ...]):
             i, at, _ = loop
-            found = self.closer(goal, at)
-            return i + 1, found.at, jnp.max(jnp.abs(found.change / self.sizes), initial=0.0)
+            iteration = self.closer(goal, at)
+            return i + 1, iteration.at, jnp.max(jnp.abs(iteration.change / self.sizes), initial=0.0)
 
         return jax.lax.while_loop(more, step, (0, at, jnp.array(jnp.inf)))[1]
 
@@ -582,8 +590,8 @@ class _Follower(NamedTuple):
 
     def configurations(self, times: Float[Array, "n_t"]) -> _At:
         """States at the times, followed from the undeformed mechanism, without derivatives."""
-        form, wanted, sizes, times = jax.lax.stop_gradient((self.form, self.wanted, self.sizes, times))
-        follower = _Follower(form, wanted, self.moved, sizes)
+        form, targets, sizes, times = jax.lax.stop_gradient((self.form, self.wanted, self.sizes, times))
+        follower = _Follower(form, targets, self.moved, sizes)
         top, parameters = form.topology, form.parameters
 
         def follow(carry: tuple[_Goal, _At], t: Float[Array, ""]):
@@ -592,35 +600,37 @@ class _Follower(NamedTuple):
             at = follower.walked((before, goal), at)
             return (goal, at), at
 
-        origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_near(top))
-        here, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
+        origin = _At(jnp.zeros(top.n_q), parameters.reference, zero_strain(top))
+        prescribed, q = (parameters.reference, jnp.zeros(form.held.shape[0])), jnp.zeros(top.n_q)
         if self.moved and parameters.start is not None:
             # Start values select the branch, such as the side to which an elbow is bent.
             still = _Follower(form, (), (), sizes)
             begin = still.goal(times[0])
-            origin = still.walked(((here, jnp.zeros(0), q), begin), origin)
-            here, _, q = begin
-        rest = here, follower.measured(origin.x, origin.near), q
-        _, walked = jax.lax.scan(follow, (rest, origin), times)
+            origin = still.walked(((prescribed, jnp.zeros(0), q), begin), origin)
+            prescribed, _, q = begin
+        initial_goal = prescribed, follower.measured(origin.x, origin.near), q
+        _, walked = jax.lax.scan(follow, (initial_goal, origin), times)
         return jax.lax.stop_gradient(walked)
 
     def moving(self, rows: Float[Array, "k k"], tangent: Transfer, t: Float[Array, ""], at: _At) -> Moving:
         """Velocities and accelerations along the trajectory, THEORY.md 14, eq. (14.14)."""
-        form, x, near, none = self.form, at.x, at.near, jnp.zeros(self.form.topology.n_q)
+        form, x, last_strain, none = self.form, at.x, at.near, jnp.zeros(self.form.topology.n_q)
         if not self.wanted:
-            return carried(form, t, x, none, none, near)
-        _, first, second = jax.tree.map(lambda *parts: jnp.stack(parts), *[rates(one.law, t) for one in self.wanted])
+            return state_at_rates(form, t, x, none, none, last_strain)
+        _, first, second = jax.tree.map(
+            lambda *parts: jnp.stack(parts), *[rates(target.law, t) for target in self.wanted]
+        )
         factors = factorise(rows)
 
         def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
-            return jax.jvp(lambda x: self.measured(x, near), (x,), (v,))[1]
+            return jax.jvp(lambda x: self.measured(x, last_strain), (x,), (v,))[1]
 
-        given = carried(form, t, x, none, none, near)
-        qd = put(none, self.driven, factors.solve(first - rate(x, given.v)))
-        given = carried(form, t, x, qd, none, near)
-        reached = jax.jvp(rate, (x, given.v), (given.v, given.a))[1]
+        state = state_at_rates(form, t, x, none, none, last_strain)
+        qd = put(none, self.driven, factors.solve(first - rate(x, state.v)))
+        state = state_at_rates(form, t, x, qd, none, last_strain)
+        reached = jax.jvp(rate, (x, state.v), (state.v, state.a))[1]
         qdd = put(none, self.driven, factors.solve(second - reached))
-        return given._replace(a=given.a + tangent.DFx @ qdd)
+        return state._replace(a=state.a + tangent.DFx @ qdd)
 
 
 def _inputs_needed(
@@ -635,9 +645,9 @@ def _inputs_needed(
         return jnp.zeros(n_u), needed, jnp.array(True)
     chosen = jnp.array(acting, int)
     b0 = -jax.jacfwd(residual)(jnp.zeros(n_u))
-    own = b0[driven][:, chosen]
-    largest = jnp.maximum(jnp.max(jnp.abs(own)), 1e-300)
-    factors = factorise(own / largest)
+    input_matrix = b0[driven][:, chosen]
+    largest = jnp.maximum(jnp.max(jnp.abs(input_matrix)), 1e-300)
+    factors = factorise(input_matrix / largest)
     u0 = jnp.zeros(n_u).at[chosen].set(factors.solve(needed[driven]) / largest)
     return u0, put(needed - b0 @ u0, driven, 0.0), factors.regular() & jnp.all(jnp.isfinite(u0))
 
@@ -646,32 +656,32 @@ def _inputs_needed(
 def _nominal(
     model: Model,
     laws: tuple[Driven, ...],
-    wanted: tuple[Wanted, ...],
+    wanted: tuple[FollowedQuantity, ...],
     moved: tuple[int, ...],
     acting: tuple[int, ...],
     times: Float[Array, "n_t"],
 ) -> _AtTimes:
     top, labels = model.topology, model.labels
-    form, sizes = coordinates_form(top, model.parameters, laws), sizes_of(top, model.parameters)
+    form, sizes = coordinates_form(top, model.parameters, laws), coordinate_scales(top, model.parameters)
     follower = _Follower(form, wanted, moved, sizes)
     seen = labels.outputs if _are_of_the_motion(labels.outputs) else ()
 
-    def one(row: tuple[Array, _At]):
+    def at_one_time(row: tuple[Array, _At]):
         t, at = row
         goal = follower.goal(t)
 
         def differentiated(at: _At, _: None):
-            found = follower.closer(goal, at)
-            return found.at, found
+            iteration = follower.closer(goal, at)
+            return iteration.at, iteration
 
         every = jax.lax.scan(differentiated, at, None, DIFFERENTIATED)[1]
-        found = jax.tree.map(lambda rows: rows[-1], every)
-        x = found.at.x
-        near, jacobian = deformed(form.elements, x, at.near)
+        iteration = jax.tree.map(lambda rows: rows[-1], every)
+        x = iteration.at.x
+        last_strain, jacobian = deformations_and_slopes(form.elements, x, at.near)
         tangent = transfer(top, jacobian)
         # Derivatives of wanted by driven quantities at this place, so that derivatives pass through the place.
-        rows = follower.rows(tangent, x, near)[1] if moved else found.rows
-        moving = follower.moving(rows, tangent, t, found.at._replace(near=near))
+        rows = follower.rows(tangent, x, last_strain)[1] if moved else iteration.rows
+        moving = follower.moving(rows, tangent, t, iteration.at._replace(near=last_strain))
 
         def residual(u: Float[Array, "n_u"]):
             return dynamic_balance(under_inputs(model, form, u), t, moving).residual
@@ -680,30 +690,30 @@ def _nominal(
         u0, f0, plant = _inputs_needed(residual, needed, len(labels.inputs), follower.driven, acting)
         outputs = [_output(form, signal, moving) for signal in seen]
         y0 = jnp.stack(outputs) if outputs else jnp.zeros(0)
-        missed = jnp.max(jnp.abs(found.change / sizes), initial=0.0)
-        fine = jnp.isfinite(missed) & (missed < MISSED_CONFIGURATION) & found.regular & tangent.regular
+        missed = jnp.max(jnp.abs(iteration.change / sizes), initial=0.0)
+        fine = jnp.isfinite(missed) & (missed < MISSED_CONFIGURATION) & iteration.regular & tangent.regular
         fine = fine & jnp.all(jnp.isfinite(needed))
         result = jnp.where(plant, RESULTS.successful, RESULTS.singular_plant)
         result = jnp.where(fine, result, RESULTS.outside_workspace).astype(jnp.int32)
-        moves = jnp.max(jnp.abs(found.rows), axis=1, initial=0.0)
-        return _AtTimes(x, moving.v, near, u0, y0, f0, result, moves)
+        moves = jnp.max(jnp.abs(iteration.rows), axis=1, initial=0.0)
+        return _AtTimes(x, moving.v, last_strain, u0, y0, f0, result, moves)
 
-    return jax.lax.map(one, (times, follower.configurations(times)))
+    return jax.lax.map(at_one_time, (times, follower.configurations(times)))
 
 
 def _output(form: CoordinatesForm, signal: Signal, moving: Moving) -> Float[Array, ""]:
     """Value of an output at a state of motion."""
-    x, v, a, near = moving
+    x, v, a, last_strain = moving
     place = _place_of_signal(signal)
     order = {**ORDERS, **DEFORMATION_ORDERS}[signal.quantity]
     if signal.axis is not None and order:
-        own = signal.index + jnp.arange(4)
-        return rotation_row(x[own], signal.axis, signal.local) @ (v, a)[order - 1][own]
+        rotation_indices = signal.index + jnp.arange(4)
+        return rotation_row(x[rotation_indices], signal.axis, signal.local) @ (v, a)[order - 1][rotation_indices]
     if place.quantity == "x" and order:
         return (v, a)[order - 1][signal.index]
 
     def value(x: Float[Array, "n_x"]):
-        return _measured(form, [place], x, near)[0]
+        return _measured(form, [place], x, last_strain)[0]
 
     def rate(x: Float[Array, "n_x"], v: Float[Array, "n_x"]):
         return jax.jvp(value, (x,), (v,))[1]
@@ -715,18 +725,18 @@ def _as_loads(
     model: Model, times: Float[Array, "n_t"], u0: Float[Array, "n_t n_u"], f0: Float[Array, "n_t n_q"]
 ) -> tuple[Driven, ...]:
     """Inputs and holding forces as loads over time, exact at the times."""
-    top, found = model.topology, []
+    top, loads = model.topology, []
     if model.labels.inputs:
         constant: Any = _driven_by_inputs(model.without_names(), u0)
         # Loads act at the same places at all times.
-        for one in constant:
-            found.append(Driven(one.quantity, computed(lambda _, at: at[0], one.at), Table(times, one.value.value)))
+        for load in constant:
+            loads.append(Driven(load.quantity, computed(lambda _, at: at[0], load.at), Table(times, load.value.value)))
     n = top.x.dof.shape[0]
     if n:
-        found.append(Driven("force", top.x.dof, Table(times, computed(lambda _, f: f[:, :n], f0))))
+        loads.append(Driven("force", top.x.dof, Table(times, computed(lambda _, f: f[:, :n], f0))))
     if top.n_q > n:
-        found.append(Driven("stress", top.e.dof, Table(times, computed(lambda _, f: -f[:, n:], f0))))
-    return tuple(found)
+        loads.append(Driven("stress", top.e.dof, Table(times, computed(lambda _, f: -f[:, n:], f0))))
+    return tuple(loads)
 
 
 @jit

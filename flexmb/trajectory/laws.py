@@ -15,8 +15,8 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_reals, check_number, check_numbers, check_whole, checked_times, is_concrete, shown
-from ..compilation.program import of_time
+from ..arguments import as_reals, check_number, check_numbers, check_whole, checked_times, is_concrete, short_repr
+from ..compilation.program import captured_of_time
 from ..compilation.record import Record
 from ..display import Result, Summary, short
 from ..errors import first_line
@@ -53,7 +53,7 @@ class Law(Result, Record):
         """
         # Concrete numbers are evaluated by NumPy, without compiling.
         xp: Any = np if is_concrete((self, t)) else jnp
-        breaks, coefficients, t = (xp.asarray(own, float) for own in (self.breaks, self.coefficients, t))
+        breaks, coefficients, t = (xp.asarray(array, float) for array in (self.breaks, self.coefficients, t))
         piece = xp.clip(xp.searchsorted(breaks, t, side="right") - 1, 0, coefficients.shape[0] - 1)
         # At the ends, the pieces determine the derivatives. Beyond the ends there is no motion.
         beyond = xp.where(t < breaks[0], breaks[0], breaks[-1])
@@ -235,18 +235,18 @@ def scurve(
     rising, steady = a / j, xp.maximum(v / a - a / j, 0.0)
     cruise = xp.maximum(far / v - (2 * rising + steady), 0.0)
     lengths = xp.stack([rising, steady, rising, cruise, rising, steady, rising])
-    at, pieces = [x, xp.zeros(()), xp.zeros(())], []
+    at, piece_coefficients = [x, xp.zeros(()), xp.zeros(())], []
     for sign, length in zip(JERKS, lengths, strict=True):
         third = sign * j * xp.sign(way)
         x, xd, xdd = at
-        pieces.append(xp.stack([x, xd, xdd / 2, third / 6]))
+        piece_coefficients.append(xp.stack([x, xd, xdd / 2, third / 6]))
         at = [
             x + length * (xd + length * (xdd / 2 + length * third / 6)),
             xd + length * (xdd + length * third / 2),
             xdd + length * third,
         ]
     breaks = xp.asarray(begin, float) + xp.concatenate([xp.zeros(1), xp.cumsum(lengths)])
-    return Law(jnp.asarray(breaks), jnp.asarray(xp.stack(pieces)))
+    return Law(jnp.asarray(breaks), jnp.asarray(xp.stack(piece_coefficients)))
 
 
 def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
@@ -268,9 +268,9 @@ def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
         ``scipy.interpolate.make_interp_spline``.
     """
     if degree not in (3, 5):
-        raise ValueError(f"Argument `degree` must be 3 or 5, but is {shown(degree)}.")
-    rest = range(1, (degree + 1) // 2)
-    return _through(times, points, degree, lambda count: [(order, np.zeros(count)) for order in rest])
+        raise ValueError(f"Argument `degree` must be 3 or 5, but is {short_repr(degree)}.")
+    orders = range(1, (degree + 1) // 2)
+    return _through(times, points, degree, lambda count: [(order, np.zeros(count)) for order in orders])
 
 
 def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
@@ -321,7 +321,9 @@ def stretched(
         A duration c times as long divides the k-th derivative by c^k.
     """
     if not isinstance(law, Law):
-        raise TypeError(f"fm.trajectory.stretched takes a Law, such as fm.trajectory.spline returns, not {shown(law)}.")
+        raise TypeError(
+            f"fm.trajectory.stretched takes a Law, such as fm.trajectory.spline returns, not {short_repr(law)}."
+        )
     limits = _limits((velocity, acceleration, jerk))
     peaks = _peaks(law)
     if is_concrete(law) and not float(np.asarray(peaks[0])) > 0:
@@ -382,16 +384,16 @@ def as_law(what: str, law: Any) -> Callable[..., Any]:
     """
     if not callable(law):
         raise TypeError(
-            f"{what} must be a function of time, such as fm.trajectory.quintic(0.0, 0.01, 0.5), not {shown(law)}."
+            f"{what} must be a function of time, such as fm.trajectory.quintic(0.0, 0.01, 0.5), not {short_repr(law)}."
         )
     try:
-        taken, shape = of_time(law)
+        captured_law, shape = captured_of_time(law)
     except Exception as fault:
         first = first_line(fault)
         raise TypeError(f"{what} cannot be computed as a function of time, by jax.numpy: {first}") from fault
     if shape != ():
         raise ValueError(f"{what} must return one number, but returns shape {shape}.")
-    return taken
+    return captured_law
 
 
 def _positive(xp: Any, number: Any) -> Any:
@@ -399,14 +401,14 @@ def _positive(xp: Any, number: Any) -> Any:
     return xp.where(number > 0, number, 1e-300)
 
 
-def _limits(given: Sequence[Any]) -> list[Any]:
+def _limits(limits: Sequence[Any]) -> list[Any]:
     """Limits of velocity, acceleration and jerk, of which at least one is given."""
-    for name, value in zip(WORDS[1:], given, strict=True):
+    for name, value in zip(WORDS[1:], limits, strict=True):
         if value is not None:
             check_number(name, value, above=0)
-    if all(value is None for value in given):
+    if all(value is None for value in limits):
         raise ValueError("Give a limit: `velocity`, `acceleration` or `jerk`.")
-    return list(given)
+    return list(limits)
 
 
 def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any], begin: Any) -> Law:
@@ -414,7 +416,7 @@ def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any
     for name, value in (("start", start), ("end", end), ("begin", begin)):
         check_number(name, value)
     xp: Any = np if is_concrete((start, end, duration, limits, begin)) else jnp
-    start, end, begin = (xp.asarray(one, float) for one in (start, end, begin))
+    start, end, begin = (xp.asarray(number, float) for number in (start, end, begin))
     way = end - start
     if duration is not None:
         if any(limit is not None for limit in limits):
@@ -474,31 +476,33 @@ def _peaks(law: Law) -> Float[Array, "3"]:
     if not is_concrete(known):
         raise TypeError("The peaks of a law are found from concrete numbers: jax.jit must not trace its coefficients.")
     coefficients = np.asarray(known)
-    lengths, found = np.diff(np.asarray(law.breaks)), []
+    lengths, peaks = np.diff(np.asarray(law.breaks)), []
     for order in (1, 2, 3):
         values = [xp.zeros(())]
         for i, length in enumerate(lengths):
-            own = np.polynomial.Polynomial(coefficients[i]).deriv(order)
-            roots = own.deriv().roots() if own.degree() > 1 else np.zeros(0)
+            polynomial = np.polynomial.Polynomial(coefficients[i]).deriv(order)
+            roots = polynomial.deriv().roots() if polynomial.degree() > 1 else np.zeros(0)
             roots = roots[np.abs(roots.imag) < 1e-9 * length].real
             places = np.concatenate([[0.0, length], roots[(roots > 0) & (roots < length)]])
             powers = np.arange(order, coefficients.shape[1])
             factor = np.array([math.perm(int(p), order) for p in powers], float)
             rows = places[:, None] ** (powers - order) * factor
             values.append(xp.max(xp.abs(rows @ exact[i, order:])))
-        found.append(xp.max(xp.stack(values)))
-    return xp.stack(found)
+        peaks.append(xp.max(xp.stack(values)))
+    return xp.stack(peaks)
 
 
 def _shaped(law: Any, frequency: ArrayLike, damping: ArrayLike, shares: Callable[..., Any]) -> Shaped:
-    taken = as_law("Argument `law`", law)
+    captured_law = as_law("Argument `law`", law)
     check_number("frequency", frequency, above=0)
     check_number("damping", damping, least=0)
     if is_concrete(damping) and not float(np.asarray(damping)) < 1:
-        raise ValueError(f"Argument `damping` must be below 1, so that the motion vibrates, but is {shown(damping)}.")
+        raise ValueError(
+            f"Argument `damping` must be below 1, so that the motion vibrates, but is {short_repr(damping)}."
+        )
     xp: Any = np if is_concrete((frequency, damping)) else jnp
     ratio = xp.asarray(damping, float)
     root = xp.sqrt(1 - ratio**2)
     parts = xp.stack(shares(xp.exp(-np.pi * ratio / root)))
     half = 1 / (2 * xp.asarray(frequency, float) * root)
-    return Shaped(taken, jnp.asarray(parts), jnp.asarray(half * xp.arange(float(len(parts)))))
+    return Shaped(captured_law, jnp.asarray(parts), jnp.asarray(half * xp.arange(float(len(parts)))))

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from .. import __version__
-from ..arguments import as_reals, check_number, checked_times, is_concrete, shown
+from ..arguments import as_reals, check_number, checked_times, is_concrete, short_repr
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -22,8 +22,8 @@ from ..files import save_arrays
 from ..linear.spectrum import general_spectrum, is_real, to_frequency
 from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
-from .cubic import Spline, spline
-from .slow_modes import check_modes, reduced_system
+from .cubic import Spline, cubic_spline
+from .slow_modes import check_mode_count, reduced_system
 from .varying_equations import integrate_varying, with_halved_steps
 
 if TYPE_CHECKING:
@@ -84,11 +84,11 @@ class TimeVarying(Labelled, Record):
         names = {"state": self.state_labels, "rate": tuple(f"d/dt {name}" for name in self.state_labels)}
         names |= {"input": self.input_labels, "output": self.output_labels}
         along = {"time": Column(("time",), self.t, "s")}
-        along |= {name: Column((name,), np.array(own, str)) for name, own in names.items()}
+        along |= {name: Column((name,), np.array(labels, str)) for name, labels in names.items()}
         axes = {"A": ("rate", "state"), "B": ("rate", "input"), "C": ("output", "state"), "D": ("output", "input")}
         axes |= {"u0": ("input",), "y0": ("output",)}
-        found = {name: Column(("time", *over), getattr(self, name)) for name, over in axes.items()}
-        return Quantities(("time",), along, found)
+        columns = {name: Column(("time", *over), getattr(self, name)) for name, over in axes.items()}
+        return Quantities(("time",), along, columns)
 
     def __call__(self, t: ArrayLike) -> StateMatrices:
         """Matrices at one time, by a cubic spline.
@@ -178,14 +178,14 @@ class TimeVarying(Labelled, Record):
                 return _solved(splines, times, u, start, None, substeps=count)
             return _solved(splines, times, u, start, count)
 
-        def apart(fine: tuple[Array, Array], coarse: tuple[Array, Array]):
-            seen, before = (of[0] if self.output_labels else of[1] for of in (fine, coarse))
+        def difference(fine: tuple[Array, Array], coarse: tuple[Array, Array]):
+            seen, before = (solution[0] if self.output_labels else solution[1] for solution in (fine, coarse))
             size = jnp.max(jnp.abs(seen), axis=1, initial=0.0)
             off = jnp.max(jnp.abs(seen - before), axis=1, initial=0.0)
             return float(jnp.max(jnp.where(size > 0, off / jnp.where(size > 0, size, 1.0), 0.0), initial=0.0))
 
         traced = not is_concrete((self, times, u, start))
-        return with_halved_steps(run, apart, substeps, rtol, traced, "The response of the time-varying system")[0]
+        return with_halved_steps(run, difference, substeps, rtol, traced, "The response of the time-varying system")[0]
 
     def response(
         self,
@@ -247,13 +247,13 @@ class TimeVarying(Labelled, Record):
             THEORY.md 14, eq. (14.24) and (14.25).
         """
         n = self.M.shape[1]
-        check_modes(modes, n)
+        check_mode_count(modes, n)
         (a, b, c, d, mass, start), shapes, still = reduced_system(
             self.t, (self.A, self.B, self.C, self.D, self.M, self.z0), modes=modes
         )
         more = self.state_labels[2 * n :]
         names = [f"mode {i + 1}" for i in range(modes)]
-        found = dataclasses.replace(
+        smaller = dataclasses.replace(
             self,
             **dict(zip("ABCDM", (a, b, c, d, mass), strict=True)),
             z0=start,
@@ -261,12 +261,12 @@ class TimeVarying(Labelled, Record):
             state_labels=(*names, *(f"d {name}" for name in names), *more),
         )
         if not is_concrete(self):
-            return found
-        whole, own = self.frequencies(), _frequencies_along(still, mass)
-        size = np.maximum(np.abs(whole[:, :modes]), NO_VIBRATION * np.max(np.abs(whole)))
-        left_out = whole[:, modes] if modes < n else np.full(len(whole), np.inf)
-        error = np.max(np.abs(own - whole[:, :modes]) / size, axis=0)
-        return dataclasses.replace(found, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
+            return smaller
+        full_values, reduced_values = self.frequencies(), _frequencies_along(still, mass)
+        size = np.maximum(np.abs(full_values[:, :modes]), NO_VIBRATION * np.max(np.abs(full_values)))
+        left_out = full_values[:, modes] if modes < n else np.full(len(full_values), np.inf)
+        error = np.max(np.abs(reduced_values - full_values[:, :modes]) / size, axis=0)
+        return dataclasses.replace(smaller, error=jnp.asarray(error), left_out=jnp.asarray(left_out))
 
     def save(self, path: str | os.PathLike) -> None:
         """Save the system as .npz or .mat, under the names of SPACAR's ltv file.
@@ -303,7 +303,7 @@ class TimeVarying(Labelled, Record):
     def _plain_names(self) -> list[list[str]]:
         """Names of states, inputs and outputs without dots, as control requires."""
         labels = self.state_labels, self.input_labels, self.output_labels
-        return [[name.replace(".", " ") for name in own] for own in labels]
+        return [[name.replace(".", " ") for name in names] for names in labels]
 
     def _splines(self) -> tuple[Spline, Spline, Spline, Spline]:
         return _splined(self.t, (self.A, self.B, self.C, self.D))
@@ -316,7 +316,7 @@ class TimeVarying(Labelled, Record):
         if np.any(np.asarray(times) < first - slack) or np.any(np.asarray(times) > last + slack):
             raise ValueError(
                 f"Argument `{name}` must lie within the times of the system, {short(first)} to {short(last)} s, but is"
-                f" {shown(np.asarray(times).tolist())}."
+                f" {short_repr(np.asarray(times).tolist())}."
             )
 
     def _given(self, times: ArrayLike, u: Any, initial: ArrayLike | None):
@@ -364,12 +364,12 @@ def _frequencies_along(stiffness: Float[Array, "n_t n n"], mass: Float[Array, "n
 
 @jit
 def _splined(t: Float[Array, "n_t"], parts: tuple[Any, ...]) -> tuple[Spline, ...]:
-    return tuple(spline(t, part) for part in parts)
+    return tuple(cubic_spline(t, part) for part in parts)
 
 
 @jit
 def _matrices_at(splines: tuple[Spline, ...], t: Float[Array, ""]) -> StateMatrices:
-    return StateMatrices(*(of(t) for of in splines))
+    return StateMatrices(*(spline(t) for spline in splines))
 
 
 @jit
@@ -388,8 +388,8 @@ def _solved(
 
     def equation(t: Float[Array, ""]):
         i = jnp.clip(jnp.searchsorted(times, t, side="right") - 1, 0, times.shape[0] - 2)
-        given = u[i] + (t - times[i]) / (times[i + 1] - times[i]) * (u[i + 1] - u[i])
-        return eye, -a(t), jnp.zeros_like(eye), b(t) @ given
+        inputs = u[i] + (t - times[i]) / (times[i + 1] - times[i]) * (u[i + 1] - u[i])
+        return eye, -a(t), jnp.zeros_like(eye), b(t) @ inputs
 
     _, z = integrate_varying(equation, times, jnp.zeros_like(start), start, count if substeps is None else substeps)
     y = jax.lax.map(lambda at: c(at[0]) @ at[1] + d(at[0]) @ at[2], (times, z, u))
@@ -432,10 +432,10 @@ def time_varying(along: Any) -> TimeVarying:
     order = np.concatenate(
         [np.arange(n), n + moved + np.arange(n), n + np.arange(moved), 2 * n + moved + np.arange(speeds)]
     )
-    own = [name.removesuffix(" shifted") for name in states[:n]] or model.q_labels
-    states = [states[i] for i in order] if states else [*own, *(f"d {name}" for name in own)]
+    freedom_names = [name.removesuffix(" shifted") for name in states[:n]] or model.q_labels
+    states = [states[i] for i in order] if states else [*freedom_names, *(f"d {name}" for name in freedom_names)]
     names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
-    place = np.array([model.q_labels.index(name) for name in own], int)
+    place = np.array([model.q_labels.index(name) for name in freedom_names], int)
     a, b, c, mass, start = _ordered(a, b, c, lin.M0, freedoms_of(motion), order, place)
     return TimeVarying(
         motion.t,

@@ -11,13 +11,13 @@ from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..linear.spectrum import spectrum
 from ..math.linear import factorise
-from .cubic import spline
+from .cubic import cubic_spline
 
 # Number of instants of a motion at which modes are computed.
 INSTANTS = 9
 
 
-def check_modes(modes: int, most: int) -> int:
+def check_mode_count(modes: int, most: int) -> int:
     """Number of modes to keep, checked against their number."""
     return check_whole("modes", modes, 1, most)
 
@@ -48,22 +48,24 @@ def slow_modes(
     Derivatives treat the common shapes, modes of the symmetric part of the stiffness, as constant.
     Source: THEORY.md 14, eq. (14.24).
     """
-    own = jax.lax.stop_gradient((mass, (stiffness + jnp.swapaxes(stiffness, 1, 2)) / 2))
+    matrices = jax.lax.stop_gradient((mass, (stiffness + jnp.swapaxes(stiffness, 1, 2)) / 2))
     chosen = np.unique(np.linspace(0, mass.shape[0] - 1, INSTANTS).round().astype(int))
-    found = jax.lax.map(lambda at: spectrum(at[1], at[0])[1][:, :count], tuple(of[chosen] for of in own))
-    candidates = jnp.moveaxis(found, 0, 1).reshape(mass.shape[1], -1)
-    mean = jnp.mean(own[0], axis=0)
+    mode_shapes = jax.lax.map(
+        lambda at: spectrum(at[1], at[0])[1][:, :count], tuple(matrix[chosen] for matrix in matrices)
+    )
+    candidates = jnp.moveaxis(mode_shapes, 0, 1).reshape(mass.shape[1], -1)
+    mean = jnp.mean(matrices[0], axis=0)
     weights, vectors = jnp.linalg.eigh(candidates.T @ mean @ candidates)
     common = candidates @ (vectors[:, -count:] / jnp.sqrt(weights[-count:]))[:, ::-1]
     others = jnp.linalg.qr(mean @ common, mode="complete")[0][:, count:]
 
-    def one(stiffness: Float[Array, "n n"]):
-        rest = others @ factorise(others.T @ stiffness @ others).solve(others.T)
-        return common - rest @ stiffness @ common, rest
+    def at_one_time(stiffness: Float[Array, "n n"]):
+        flexibility = others @ factorise(others.T @ stiffness @ others).solve(others.T)
+        return common - flexibility @ stiffness @ common, flexibility
 
-    shapes, rest = jax.lax.map(one, stiffness)
-    rates = spline(t, shapes).slopes
-    return SlowModes(shapes, rates, spline(t, rates).slopes, rest)
+    shapes, flexibility = jax.lax.map(at_one_time, stiffness)
+    rates = cubic_spline(t, shapes).slopes
+    return SlowModes(shapes, rates, cubic_spline(t, rates).slopes, flexibility)
 
 
 def projected(
@@ -77,11 +79,11 @@ def projected(
     Source: THEORY.md 14, eq. (14.25).
     """
     first, second, third, _ = modes
-    left = jnp.swapaxes(first, 1, 2)
+    transposed = jnp.swapaxes(first, 1, 2)
     return (
-        left @ mass @ first,
-        left @ (damping @ first + 2 * mass @ second),
-        left @ (stiffness @ first + damping @ second + mass @ third),
+        transposed @ mass @ first,
+        transposed @ (damping @ first + 2 * mass @ second),
+        transposed @ (stiffness @ first + damping @ second + mass @ third),
     )
 
 
@@ -113,28 +115,28 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
     by_q, by_rate = whole_a[:, below, :n], whole_a[:, below, below]
     slow = slow_modes(t, mass, -mass @ by_q, modes)
     shapes = slow.shapes
-    own, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
+    reduced_mass, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
 
-    def one(
+    def at_one_time(
         a: Float[Array, "z z"],
         b: Float[Array, "z n_u"],
         c: Float[Array, "n_y z"],
         d: Float[Array, "n_y n_u"],
         mass: Float[Array, "n n"],
-        own: Float[Array, "modes modes"],
+        reduced_mass: Float[Array, "modes modes"],
         damping: Float[Array, "modes modes"],
         stiffness: Float[Array, "modes modes"],
         shapes: Float[Array, "n modes"],
         rates: Float[Array, "n modes"],
         second: Float[Array, "n modes"],
-        rest: Float[Array, "n n"],
+        flexibility: Float[Array, "n n"],
     ):
         more = a.shape[0] - 2 * n
         still, beside = jnp.zeros_like(shapes), jnp.zeros((n, more))
         velocity = jnp.concatenate([rates, shapes, beside], axis=1)
-        whole = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
+        transformation = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
         momenta, force = shapes.T @ mass, mass @ b[below]
-        factors = factorise(own)
+        factors = factorise(reduced_mass)
         # States are shifted by inputs that move held things.
         pushed = jnp.concatenate([a[:n, 2 * n :], b[:n]], axis=1)
         pushed = factors.solve(momenta @ pushed)
@@ -146,18 +148,18 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
         lower, drive = factors.solve(forces), factors.solve(momenta @ (b[below] - rates @ over))
         # Quasi-static response of the rest to inputs, damping and inertia of the kept amplitudes.
         acceleration = jnp.concatenate([second, 2 * rates, beside], axis=1) + shapes @ lower
-        by_state = rest @ (mass @ (a[below, below] @ velocity - acceleration))
-        by_input = rest @ (force - mass @ (shapes @ drive))
+        by_state = flexibility @ (mass @ (a[below, below] @ velocity - acceleration))
+        by_input = flexibility @ (force - mass @ (shapes @ drive))
         seen = c[:, :n]
         return (
-            jnp.concatenate([upper, lower, a[2 * n :] @ whole]),
+            jnp.concatenate([upper, lower, a[2 * n :] @ transformation]),
             jnp.concatenate([over, drive, b[2 * n :]]),
-            c @ whole + seen @ by_state,
+            c @ transformation + seen @ by_state,
             d + seen @ by_input,
         )
 
-    given = whole_a, whole_b, whole_c, whole_d, mass, own, damping, stiffness, *slow
-    parts = jax.lax.map(lambda of: one(*of), given)
+    arguments = whole_a, whole_b, whole_c, whole_d, mass, reduced_mass, damping, stiffness, *slow
+    parts = jax.lax.map(lambda numbers: at_one_time(*numbers), arguments)
     start = jnp.concatenate([*amplitudes(slow, mass, z0[:n], z0[below]), z0[2 * n :]])
     still = jnp.swapaxes(shapes, 1, 2) @ (-mass @ by_q) @ shapes
-    return (*parts, own, start), shapes, still
+    return (*parts, reduced_mass, start), shapes, still

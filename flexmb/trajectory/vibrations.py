@@ -18,18 +18,18 @@ from ..display import Result, States, Summary, largest, short
 from ..linear.linearize import Linearization, Matrices
 from ..linear.loose import without_mass
 from ..math.linear import factorise
-from ..mechanics.extent import sizes_of
+from ..mechanics.extent import coordinate_scales
 from ..model.model import Labels, Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.motion import Motion
-from ..motion.moving_matrices import carried
+from ..motion.moving_matrices import state_at_rates
 from ..results import RESULTS, check
-from .about_motion import about, check_freedoms, freedoms_of, released
-from .cubic import Spline, spline
-from .slow_modes import SlowModes, amplitudes, check_modes, projected, slow_modes
+from .about_motion import about, cancelling_loads, check_freedoms, freedoms_of
+from .cubic import Spline, cubic_spline
+from .slow_modes import SlowModes, amplitudes, check_mode_count, projected, slow_modes
 from .varying_equations import integrate_varying, with_halved_steps
 
 
@@ -82,14 +82,26 @@ class Perturbation(Result, Record):
         Source:
             THEORY.md 14, eq. (14.23).
         """
-        own = self.nominal
-        model = own.model
-        q, qd = freedoms_of(own)
-        moved = (own.t, own.x, own.near, self.q, q + self.q, qd + self.qd)
-        x, xd, near = _placed(model.topology, model.parameters, own.driven, *moved)
-        taken = (own.t.shape[0] - 1) * self.substeps
-        driven = (*own.driven, *released(model, self.t, self.held))
-        return Motion(self.t, x, xd, near, self.u, taken, own.result, driven, model, "perturbation method", "Radau IIA")
+        nominal = self.nominal
+        model = nominal.model
+        q, qd = freedoms_of(nominal)
+        moved = (nominal.t, nominal.x, nominal.near, self.q, q + self.q, qd + self.qd)
+        x, xd, last_strain = _placed(model.topology, model.parameters, nominal.driven, *moved)
+        step_count = (nominal.t.shape[0] - 1) * self.substeps
+        driven = (*nominal.driven, *cancelling_loads(model, self.t, self.held))
+        return Motion(
+            self.t,
+            x,
+            xd,
+            last_strain,
+            self.u,
+            step_count,
+            nominal.result,
+            driven,
+            model,
+            "perturbation method",
+            "Radau IIA",
+        )
 
     def states(self) -> States:
         """Return the states over time, as the sum of nominal motion and vibrations."""
@@ -123,13 +135,13 @@ def _placed(
     form = coordinates_form(topology, parameters, driven)
     none, still = jnp.zeros(form.size), jnp.zeros(topology.n_q)
 
-    def one(at: tuple[Array, ...]):
-        t, x, near, change, q, qd = at
-        guess = x + carried(form, t, x, change, still, near, 0.0).v
-        x, near = form.placed(form.whole(t, none, none, none), q, guess, near)
-        return x, carried(form, t, x, qd, still, near).v, near
+    def at_one_time(at: tuple[Array, ...]):
+        t, x, last_strain, change, q, qd = at
+        guess = x + state_at_rates(form, t, x, change, still, last_strain, 0.0).v
+        x, last_strain = form.placed(form.whole(t, none, none, none), q, guess, last_strain)
+        return x, state_at_rates(form, t, x, qd, still, last_strain).v, last_strain
 
-    return jax.lax.map(one, (t, x, near, change, q, qd))
+    return jax.lax.map(at_one_time, (t, x, near, change, q, qd))
 
 
 @jit
@@ -143,23 +155,23 @@ def _equations(
     modes: int | None,
 ):
     """Spline of [M, C, K, f] and the start in the kept freedoms or in modes; and the modes."""
-    mass, damping, stiffness, force = _kept(m, force, kept)
+    mass, damping, stiffness, force = _free_part(m, force, kept)
     parts, slow = (mass, damping, stiffness), None
     if modes is not None:
         slow = slow_modes(t, mass, stiffness, modes)
         parts = projected(slow, mass, damping, stiffness)
         start = amplitudes(slow, mass, *start)
         force = jnp.einsum("tij,ti->tj", slow.shapes, force)
-    return spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow
+    return cubic_spline(t, jnp.concatenate([*parts, force[:, :, None]], axis=2)), start, slow
 
 
-def _kept(m: Matrices, force: Float[Array, "n_t n_q"], kept: Array):
+def _free_part(m: Matrices, force: Float[Array, "n_t n_q"], free_indices: Array):
     """Mass, damping, stiffness and force of the degrees of freedom that may vibrate."""
-    return *(part[:, kept][:, :, kept] for part in (m.M0, m.C0 + m.D0, m.K)), force[:, kept]
+    return *(part[:, free_indices][:, :, free_indices] for part in (m.M0, m.C0 + m.D0, m.K)), force[:, free_indices]
 
 
 @jit
-def _whole(
+def _full_motion(
     equations: Spline,
     m: Matrices,
     force: Float[Array, "n_t n_q"],
@@ -171,21 +183,25 @@ def _whole(
     """Deviations of all degrees of freedom and their rates from the integrated ones."""
     still = jnp.zeros((p.shape[0], m.M0.shape[1]))
     if slow is not None:
-        mass, damping, _, force = _kept(m, force, kept)
+        mass, damping, _, force = _free_part(m, force, kept)
         count = p.shape[1]
 
-        def one(at: tuple[Array, ...]):
-            p, pd, mass, damping, force, shapes, rates, second, rest, own = at
-            right = own[:, 3 * count] - own[:, count : 2 * count] @ pd - own[:, 2 * count : 3 * count] @ p
-            pdd = factorise(own[:, :count]).solve(right)
+        def at_one_time(at: tuple[Array, ...]):
+            p, pd, mass, damping, force, shapes, rates, second, flexibility, coefficients = at
+            right = (
+                coefficients[:, 3 * count]
+                - coefficients[:, count : 2 * count] @ pd
+                - coefficients[:, 2 * count : 3 * count] @ p
+            )
+            pdd = factorise(coefficients[:, :count]).solve(right)
             moving = shapes @ pd + rates @ p
             inertia = mass @ (shapes @ pdd + 2 * rates @ pd + second @ p)
-            return shapes @ p + rest @ (force - damping @ moving - inertia), moving
+            return shapes @ p + flexibility @ (force - damping @ moving - inertia), moving
 
         follows = jnp.einsum("tij,tj->ti", slow.rest, force)
-        p, pd = jax.lax.map(one, (p, pd, mass, damping, force, *slow, equations.values))
-        pd = pd + spline(equations.t, follows).slopes
-    return tuple(still.at[:, kept].set(of) for of in (p, pd))
+        p, pd = jax.lax.map(at_one_time, (p, pd, mass, damping, force, *slow, equations.values))
+        pd = pd + cubic_spline(equations.t, follows).slopes
+    return tuple(still.at[:, kept].set(values) for values in (p, pd))
 
 
 @jit
@@ -195,8 +211,8 @@ def _vibrations(
     n = q.shape[0]
 
     def equation(t: Float[Array, ""]):
-        found = equations(t)
-        return found[:, :n], found[:, n : 2 * n], found[:, 2 * n : 3 * n], found[:, 3 * n]
+        coefficients = equations(t)
+        return coefficients[:, :n], coefficients[:, n : 2 * n], coefficients[:, 2 * n : 3 * n], coefficients[:, 3 * n]
 
     return integrate_varying(equation, equations.t, q, qd, count if substeps is None else substeps)
 
@@ -204,7 +220,7 @@ def _vibrations(
 @jit
 def _sway(topology: Topology, parameters: Parameters, dfx: Float[Array, "n_t n_x n_q"], q: Float[Array, "n_t n_q"]):
     """Displacements in extents and radians, (n_t, n_x)."""
-    return jnp.einsum("tij,tj->ti", dfx, q) / sizes_of(topology, parameters)
+    return jnp.einsum("tij,tj->ti", dfx, q) / coordinate_scales(topology, parameters)
 
 
 def perturbation(
@@ -255,7 +271,7 @@ def perturbation(
     motion, _, holding = about(nominal, "perturbation")
     model, t, names = motion.model, motion.t, motion.model.q_labels
     start = [_as_freedoms(name, value, names) for name, value in (("q", q), ("qd", qd))]
-    kept = _not_held(names, held)
+    free_indices = _free_numbers(names, held)
     check_freedoms(motion)
     lin = motion.linearizations()
     m = lin.matrices
@@ -267,30 +283,30 @@ def perturbation(
         inputs = _as_inputs(u, len(t), len(model.labels.inputs))
         force = force + _pushed(lin, inputs)
     if modes is not None:
-        check_modes(modes, len(kept))
-    start = tuple(value[kept] for value in start)
-    equations, start, slow = _equations(t, m, force, start, kept, modes=modes)
+        check_mode_count(modes, len(free_indices))
+    start = tuple(value[free_indices] for value in start)
+    equations, start, slow = _equations(t, m, force, start, free_indices, modes=modes)
 
     def run(count: int | Array):
         if isinstance(count, int):
             return _vibrations(equations, *start, None, substeps=count)
         return _vibrations(equations, *start, count)
 
-    def whole(p: Float[Array, "n_t k"], pd: Float[Array, "n_t k"]):
-        return _whole(equations, m, force, kept, slow, p, pd)
+    def full_motion(p: Float[Array, "n_t k"], pd: Float[Array, "n_t k"]):
+        return _full_motion(equations, m, force, free_indices, slow, p, pd)
 
-    def apart(fine: Any, coarse: Any):
-        fine, coarse = whole(*fine)[0], whole(*coarse)[0]
+    def difference(fine: Any, coarse: Any):
+        fine, coarse = full_motion(*fine)[0], full_motion(*coarse)[0]
         change, size = (
-            jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, of)), initial=0.0)
-            for of in (fine - coarse, fine)
+            jnp.max(jnp.abs(_sway(model.topology, model.parameters, m.DFx, vibration)), initial=0.0)
+            for vibration in (fine - coarse, fine)
         )
         return float(change / jnp.where(size > 0, size, 1.0))
 
     traced = not is_concrete((m, start, force))
-    (found, rates), error, count = with_halved_steps(run, apart, substeps, rtol, traced, "The vibration")
-    moved, moving = whole(found, rates)
-    holding = holding - _of_servo(m, force, kept, moved, moving)
+    (solution, rates), error, count = with_halved_steps(run, difference, substeps, rtol, traced, "The vibration")
+    moved, moving = full_motion(solution, rates)
+    holding = holding - _servo_forces(m, force, free_indices, moved, moving)
     return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))
 
 
@@ -298,24 +314,24 @@ def _as_freedoms(name: str, value: Any, names: list[str]) -> Float[Array, "n_q"]
     if value is None:
         return jnp.zeros(len(names))
     check_numbers(f"Argument `{name}`", value)
-    found = jnp.asarray(value, float)
-    if found.shape != (len(names),):
+    array = jnp.asarray(value, float)
+    if array.shape != (len(names),):
         raise ValueError(
             f"Argument `{name}` must have one number for each of the {len(names)} degrees of freedom"
-            f" ({', '.join(names)}), but has shape {found.shape}."
+            f" ({', '.join(names)}), but has shape {array.shape}."
         )
-    return found
+    return array
 
 
 def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
     check_numbers("Argument `u`", u)
-    found = jnp.asarray(u, float)
-    if found.shape != (times, inputs):
+    array = jnp.asarray(u, float)
+    if array.shape != (times, inputs):
         raise ValueError(
             f"Argument `u` must have a row for each of the {times} times and a column for each of the {inputs} inputs,"
-            f" but has shape {found.shape}."
+            f" but has shape {array.shape}."
         )
-    return found
+    return array
 
 
 def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t n_q"]:
@@ -331,7 +347,7 @@ def _pushed(lin: Linearization, u: Float[Array, "n_t n_u"]) -> Float[Array, "n_t
 
 
 @jit
-def _of_servo(
+def _servo_forces(
     m: Matrices, force: Float[Array, "n_t n_q"], kept: Array, q: Float[Array, "n_t n_q"], qd: Float[Array, "n_t n_q"]
 ) -> Float[Array, "n_t n_q"]:
     """Forces along the degrees of freedom that are not kept, which make them follow the nominal motion."""
@@ -345,14 +361,14 @@ def _of_servo(
     return needed.at[:, kept].set(0.0)
 
 
-def _not_held(names: list[str], held: Sequence[str]) -> Array:
+def _free_numbers(names: list[str], constrained: Sequence[str]) -> Array:
     """Places of the degrees of freedom that may vibrate."""
-    if isinstance(held, str):
-        raise TypeError(f"Argument `held` must be a list of degrees of freedom, such as [{held!r}].")
-    unknown = [name for name in held if name not in names]
+    if isinstance(constrained, str):
+        raise TypeError(f"Argument `held` must be a list of degrees of freedom, such as [{constrained!r}].")
+    unknown = [name for name in constrained if name not in names]
     if unknown:
         raise ValueError(f"Argument `held`: '{unknown[0]}' is no degree of freedom; there is {', '.join(names)}.")
-    kept = np.array([i for i, name in enumerate(names) if name not in held], int)
-    if not len(kept):
+    free_indices = np.array([i for i, name in enumerate(names) if name not in constrained], int)
+    if not len(free_indices):
         raise ValueError("All degrees of freedom are held, so none can vibrate.")
-    return jnp.asarray(kept)
+    return jnp.asarray(free_indices)

@@ -32,14 +32,14 @@ def card(found: Result) -> str | None:
     )
 
 
-def _picture(found: Result, name: str, small: Mapping[str, Any]) -> str:
+def _picture(result: Result, name: str, small: Mapping[str, Any]) -> str:
     """Small picture of a result as PNG in base64."""
     import matplotlib
     import matplotlib.pyplot as plt
 
     # The first figure loads a backend for good, even within a context. It must be the user's backend.
     with matplotlib.rc_context({"font.size": 9}):
-        figure = getattr(plot, name)(found, **small).figure
+        figure = getattr(plot, name)(result, **small).figure
         buffer = io.BytesIO()
         figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
         plt.close(figure)

@@ -148,15 +148,15 @@ def page_data(view: View) -> dict[str, Any]:
 def _colours(view: View) -> dict[str, Any]:
     from matplotlib import colormaps
 
-    own = view.colours
-    assert own is not None
-    table = colormaps[own.scale](np.linspace(0, 1, LEVELS))[:, :3]
+    colours = view.colours
+    assert colours is not None
+    table = colormaps[colours.scale](np.linspace(0, 1, LEVELS))[:, :3]
     return {
-        "label": own.label,
-        "low": own.low,
-        "high": own.high,
+        "label": colours.label,
+        "low": colours.low,
+        "high": colours.high,
         "table": np.round(table, 4).tolist(),
-        "values": _floats(own.values),
+        "values": _floats(colours.values),
     }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from ..model.model import Model
-from ..plot.geometry import PLACES, Line, extent_of, lines, nodes_of, places_of_zigzag
+from ..plot.geometry import PLACES, Line, lines, nodes_of, places_of_zigzag, point_extent
 from ..plot.modes import AMPLITUDE, STEP
 from ..plot.sections import Shape, across_of, shapes_of
 
@@ -65,9 +65,11 @@ class Nodes(NamedTuple):
 
 def nodes_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray]) -> Nodes:
     """Nodes in the base state and in other states, or their displacements in modes; all of them (n_x,)."""
-    found = nodes_of(model)
-    index = np.array(list(found.values()), int).reshape(len(found), model.labels.dimension)
-    return Nodes(tuple(found), in_space(base[index]), in_space(_stacked([x[index] for x in states], index.shape)))
+    node_indices = nodes_of(model)
+    index = np.array(list(node_indices.values()), int).reshape(len(node_indices), model.labels.dimension)
+    return Nodes(
+        tuple(node_indices), in_space(base[index]), in_space(_stacked([x[index] for x in states], index.shape))
+    )
 
 
 def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
@@ -78,9 +80,9 @@ def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], value
     shapes = shapes_of(model)
     still, seen = lines(model, base), []
     for x in [base, *(states[i] for i in thinned(len(states), LOOKED_AT))]:
-        own = lines(model, x)
-        seen.append(_with_edges(own, across_of(model, x, own, shapes), shapes))
-    keep = _kept(seen, values)
+        state_lines = lines(model, x)
+        seen.append(_with_edges(state_lines, across_of(model, x, state_lines, shapes), shapes))
+    keep = _kept_indices(seen, values)
     drawn, across = _drawn(model, base, shapes, keep)
     moved = [_drawn(model, x, shapes, keep) for x in states]
     stacked = [_stacked([pair[i] for pair in moved], drawn.shape) for i in (0, 1)]
@@ -90,21 +92,23 @@ def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], value
 def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
     """Lines of a model in a state, and their displacements by small changes of the coordinates, each (n_x,)."""
     shapes, still = shapes_of(model), lines(model, base)
-    found = [_displacement(model, base, move, shapes) for move in moves]
+    displacements = [_displacement(model, base, move, shapes) for move in moves]
     across = across_of(model, base, still, shapes)
     seen = [_with_edges(still, across, shapes)]
-    for moved, turned in found:
-        bent = [line._replace(points=line.points + AMPLITUDE * own) for line, own in zip(still, moved, strict=True)]
-        turn = {line.element: own for line, own in zip(still, turned, strict=True)}
-        sides = {name: own + AMPLITUDE * turn[name] for name, own in across.items()}
+    for moved, turned in displacements:
+        bent = [
+            line._replace(points=line.points + AMPLITUDE * vectors) for line, vectors in zip(still, moved, strict=True)
+        ]
+        turn = {line.element: vectors for line, vectors in zip(still, turned, strict=True)}
+        sides = {name: vectors + AMPLITUDE * turn[name] for name, vectors in across.items()}
         seen.append(_with_edges(bent, sides, shapes))
-    keep = _kept(seen, values)
+    keep = _kept_indices(seen, values)
     points, across = _drawn(model, base, shapes, keep)
-    stacked = [_stacked([_chosen(pair[i], keep) for pair in found], points.shape) for i in (0, 1)]
+    stacked = [_stacked([_chosen(pair[i], keep) for pair in displacements], points.shape) for i in (0, 1)]
     return Lines(_parts(still, keep, shapes), _places(still, keep), points, stacked[0], across, stacked[1])
 
 
-def kept_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets points"]:
+def drawn_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets points"]:
     """Colours of the points that are drawn."""
     rows = np.repeat(np.arange(len(found.parts)), [part.count for part in found.parts])
     return values[:, rows, np.rint(found.places * (len(PLACES) - 1)).astype(int)]
@@ -130,17 +134,19 @@ def _displacement(model: Model, base: np.ndarray, move: np.ndarray, shapes: dict
     step = STEP / (np.max(np.abs(move), initial=0.0) or 1.0)
     states = [base + sign * step * move for sign in (-1, 1)]
     ends = [lines(model, x, straight=True) for x in states]
-    across = [across_of(model, x, own, shapes) for x, own in zip(states, ends, strict=True)]
+    across = [across_of(model, x, state_lines, shapes) for x, state_lines in zip(states, ends, strict=True)]
     rate = 1 / (2 * step)
     moved, turned = [], []
     for before, after in zip(*ends, strict=True):
-        own = rate * (after.points - before.points)
+        displacement = rate * (after.points - before.points)
         if after.kind == "spring":
             s = places_of_zigzag()[:, None]
-            own = (1 - s) * own[0] + s * own[-1]
-        moved.append(own)
+            displacement = (1 - s) * displacement[0] + s * displacement[-1]
+        moved.append(displacement)
         name = after.element
-        turned.append(rate * (across[1][name] - across[0][name]) if name in across[1] else np.zeros((len(own), 3)))
+        turned.append(
+            rate * (across[1][name] - across[0][name]) if name in across[1] else np.zeros((len(displacement), 3))
+        )
     return moved, turned
 
 
@@ -170,12 +176,12 @@ def _places(drawn: list[Line], keep: list[np.ndarray]) -> np.ndarray:
 
 def _chosen(curves: list[np.ndarray], keep: list[np.ndarray]) -> np.ndarray:
     """Kept points of all lines, one line after the other, (points, 3)."""
-    pieces = [own[k] for own, k in zip(curves, keep, strict=True)]
-    return in_space(np.concatenate(pieces) if pieces else np.zeros((0, 3)))
+    points = [curve[k] for curve, k in zip(curves, keep, strict=True)]
+    return in_space(np.concatenate(points) if points else np.zeros((0, 3)))
 
 
-def _stacked(pieces: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
-    return in_space(np.stack(pieces)) if pieces else np.zeros((0, *shape))
+def _stacked(arrays: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
+    return in_space(np.stack(arrays)) if arrays else np.zeros((0, *shape))
 
 
 def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[str, Shape]) -> list[np.ndarray]:
@@ -187,10 +193,10 @@ def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[s
     return [np.concatenate([line.points, edge], axis=1) for line, edge in zip(drawn, edges, strict=True)]
 
 
-def _kept(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:
+def _kept_indices(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:
     """Kept points of every line; ``seen`` holds the lines in several states."""
     everything = np.concatenate(seen[0]) if seen[0] else np.zeros((0, 2))
-    close = (CLOSE if len(seen[0]) < MANY else CLOSE_OF_MANY) * extent_of(everything)
+    close = (CLOSE if len(seen[0]) < MANY else CLOSE_OF_MANY) * point_extent(everything)
     finite = None if values is None else values[np.isfinite(values)]
     colour_close = CLOSE_COLOUR * float(np.max(np.abs(finite))) if finite is not None and finite.size else np.inf
     keep = [np.arange(len(points)) for points in seen[0]]

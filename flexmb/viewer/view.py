@@ -11,12 +11,12 @@ from ..model.model import Model
 from ..numerical_limits import NOT_MOVED
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import dofs, loads, supports
-from ..plot.modes import AMPLITUDE, chosen_modes, factor_of
+from ..plot.modes import AMPLITUDE, drawn_modes, factor_of
 from ..plot.state import state_of, states_of
 from ..plot.stress import colours_of, values_of
 from .page import Colours
 from .page import View as View
-from .scene import LOOKED_AT, Lines, Nodes, kept_values, lines_at, lines_of_modes, most_states, nodes_at, thinned
+from .scene import LOOKED_AT, Lines, Nodes, drawn_values, lines_at, lines_of_modes, most_states, nodes_at, thinned
 
 # Default number of modes in a page.
 AT_MOST = 12
@@ -55,46 +55,46 @@ def view(
         TypeError: ``shown``, ``at`` or ``stress`` cannot be shown.
         ValueError: ``at``, ``which``, ``stress`` or ``quantity`` does not fit.
     """
-    found = states_of(shown, at)
-    if which is not None and found.moves is None:
+    result_states = states_of(shown, at)
+    if which is not None and result_states.moves is None:
         raise ValueError(f"Argument `which` needs Modes or Buckling; a {type(shown).__name__} has no modes.")
-    if found.shares is not None and stress is not None:
+    if result_states.shares is not None and stress is not None:
         raise ValueError(f"A {type(shown).__name__} has its own colours: leave `stress` out.")
-    several = found.along is not None
-    model, x = found.model, found.x if several else state_of(shown, at)[1]
+    several = result_states.along is not None
+    model, x = result_states.model, result_states.x if several else state_of(shown, at)[1]
     colours = _values(model, stress, quantity, len(x) if several else 1)
-    if found.moves is not None:
-        return _of_modes(found, colours, which)
+    if result_states.moves is not None:
+        return _modes_view(result_states, colours, which)
     base = np.asarray(model.parameters.reference, float)
     if several:
         few = lines_at(model, base, list(x[thinned(len(x), LOOKED_AT)]), None if colours is None else colours.values)
         chosen = thinned(len(x), most_states(few))
         if colours is not None:
             colours = colours._replace(values=colours.values[chosen])
-        states, options = list(x[chosen]), {"along": np.asarray(found.along, float)[chosen]}
-    elif found.shares:
-        colours, states, options = _of_shares(found), [], {"choices": tuple(found.titles)}
+        states, options = list(x[chosen]), {"along": np.asarray(result_states.along, float)[chosen]}
+    elif result_states.shares:
+        colours, states, options = _share_colours(result_states), [], {"choices": tuple(result_states.titles)}
     else:
         states, options = [] if np.allclose(x, base, rtol=0, atol=NOT_MOVED) else [x], {}
     drawn = lines_at(model, base, states, None if colours is None else colours.values)
     loaded = x[-1] if several else x
-    return _view(model, found.kind, drawn, nodes_at(model, base, states), colours, loaded, **options)
+    return _view(model, result_states.kind, drawn, nodes_at(model, base, states), colours, loaded, **options)
 
 
-def _of_modes(found: States, colours: Colours | None, which: Sequence[int] | None) -> View:
-    model, base, chosen = found.model, found.x, chosen_modes(found, which, AT_MOST, "show")
-    moves = [factor_of(model, base, shape, 1.0) * shape for shape in np.asarray(found.moves)[:, chosen].T]
+def _modes_view(result_states: States, colours: Colours | None, which: Sequence[int] | None) -> View:
+    model, base, chosen = result_states.model, result_states.x, drawn_modes(result_states, which, AT_MOST, "show")
+    moves = [factor_of(model, base, shape, 1.0) * shape for shape in np.asarray(result_states.moves)[:, chosen].T]
     drawn = lines_of_modes(model, base, moves, None if colours is None else colours.values)
     nodes = nodes_at(model, base, moves)
-    options = {"choices": tuple(found.titles[mode] for mode in chosen), "amplitude": AMPLITUDE}
+    options = {"choices": tuple(result_states.titles[mode] for mode in chosen), "amplitude": AMPLITUDE}
     return _view(model, "modes", drawn, nodes, colours, base, largest_amplitude=LARGEST_AMPLITUDE, **options)
 
 
-def _of_shares(found: States) -> Colours:
+def _share_colours(result_states: States) -> Colours:
     """Colours of all elements by their part in each state of self-stress."""
-    drawn = lines(found.model, found.x)
-    own = np.array([[share.get(line.element, np.nan) for line in drawn] for share in found.shares or ()])
-    values = np.broadcast_to(own[:, :, None], (*own.shape, len(PLACES)))
+    drawn = lines(result_states.model, result_states.x)
+    shares = np.array([[share.get(line.element, np.nan) for line in drawn] for share in result_states.shares or ()])
+    values = np.broadcast_to(shares[:, :, None], (*shares.shape, len(PLACES)))
     return Colours("largest stress resultant, relative [-]", "plasma_r", 0.0, 1.0, values)
 
 
@@ -103,7 +103,7 @@ def _view(
 ) -> View:
     """The page; ``colours`` have values at all places of all lines, loads are drawn in the state ``loaded``."""
     if colours is not None:
-        colours = colours._replace(values=kept_values(drawn, colours.values))
+        colours = colours._replace(values=drawn_values(drawn, colours.values))
     settings: dict[str, Any] = {
         "choices": (),
         "along": np.zeros(0),
@@ -143,10 +143,10 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
     several = list(stress) if isinstance(stress, list | tuple) else [stress]
     if not several:
         raise ValueError("Argument `stress` is an empty list. Give a stress for each state, or leave it out.")
-    found = [values_of(own, quantity, of_states=len(several) == 1) for own in several]
-    label = found[0][1]
+    value_tables = [values_of(stress_result, quantity, of_states=len(several) == 1) for stress_result in several]
+    label = value_tables[0][1]
     # One stress of a path or motion has all its states.
-    every = found[0][0] if found[0][0].ndim > 2 else [rows for rows, _ in found]
+    every = value_tables[0][0] if value_tables[0][0].ndim > 2 else [rows for rows, _ in value_tables]
     several = several * len(every) if len(several) == 1 else several
     if len(several) != states:
         raise ValueError(
@@ -156,12 +156,12 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
         )
     drawn = lines(model, np.asarray(model.parameters.reference, float))
     known = {line.element: i for i, line in enumerate(drawn)}
-    if missing := {name for own in several for name in own.names} - set(known):
+    if missing := {name for stress_result in several for name in stress_result.names} - set(known):
         raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     values = np.full((len(several), len(drawn), len(PLACES)), np.nan)
-    for k, (own, rows) in enumerate(zip(several, every, strict=True)):
-        for name, row in zip(own.names, rows, strict=True):
-            values[k, known[name]] = np.interp(PLACES, np.asarray(own.places), row)
+    for k, (stress_result, rows) in enumerate(zip(several, every, strict=True)):
+        for name, row in zip(stress_result.names, rows, strict=True):
+            values[k, known[name]] = np.interp(PLACES, np.asarray(stress_result.places), row)
     return Colours(label, *colours_of(values[np.isfinite(values)], label), values)
 
 

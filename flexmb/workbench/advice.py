@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from ..build.dofs import CANNOT_MOVE, choose, named_rows
-from ..checks.mobility import motions_of
+from ..checks.mobility import allowed_motions
 from ..linear.linearize import linearize
 from ..linear.spectrum import masses_of_motions
 from ..math.subspace import independent_rows
@@ -25,7 +25,7 @@ Advice = dict[str, Any]
 def advice(found: Count, things: Iterable[dict[str, Any]]) -> list[Advice]:
     """Advice about over- and under-constraints, and about floating parts."""
     things = list(things)
-    return [*_releases(found, things), *_determinations(found, things), *_of_loose(found, things)]
+    return [*_releases(found, things), *_determinations(found, things), *_loose_suggestions(found, things)]
 
 
 def mass_advice(model: Model) -> list[Advice]:
@@ -36,7 +36,7 @@ def mass_advice(model: Model) -> list[Advice]:
         return []
     values, motions = masses_of_motions(mass)
     light = np.asarray(lin.matrices.DFx) @ motions[:, np.abs(values) <= MASSLESS_MOTION]
-    wanted: list[Advice] = []
+    suggestions: list[Advice] = []
     for motion in light.T:
         entry = model.labels.x[int(np.argmax(np.abs(motion)))]
         node = entry.of.removesuffix(".rotation")
@@ -48,76 +48,76 @@ def mass_advice(model: Model) -> list[Advice]:
             piece = {"text": f"Put rotary inertia on node '{node}'", "ops": ops}
         else:
             continue
-        if piece not in wanted:
-            wanted.append(piece)
-    return wanted[:AT_MOST]
+        if piece not in suggestions:
+            suggestions.append(piece)
+    return suggestions[:AT_MOST]
 
 
 def _add(call: str, **arguments: Any) -> dict[str, Any]:
     return {"op": "add", "thing": {"call": call, "args": arguments}}
 
 
-def _releases(found: Count, things: list[dict[str, Any]]) -> list[Advice]:
+def _releases(dof_count: Count, items: list[dict[str, Any]]) -> list[Advice]:
     """Deformations to release, one for each state of self-stress, and all of them."""
-    if found.mobility is None or not found.over:
+    if dof_count.mobility is None or not dof_count.over:
         return []
-    proposed = [release for release in dict.fromkeys(found.mobility.release) if release is not None]
+    proposed = [release for release in dict.fromkeys(dof_count.mobility.release) if release is not None]
     # Supports are edited where they are.
-    releases = [(of, component) for of, component in proposed if isinstance(component, int)]
-    pieces = []
+    releases = [(element_name, component) for element_name, component in proposed if isinstance(component, int)]
+    suggestions = []
     for element, number in releases[:AT_MOST]:
         text = f"Release deformation {number} of '{element}'"
-        pieces.append({"text": text, "ops": _release([(element, number)], things)})
+        suggestions.append({"text": text, "ops": _release([(element, number)], items)})
     if len(releases) > 1:
         every = ", ".join(f"{number} of '{element}'" for element, number in releases)
-        pieces.insert(0, {"text": f"Release deformations {every}", "ops": _release(releases, things)})
-    return pieces
+        suggestions.insert(0, {"text": f"Release deformations {every}", "ops": _release(releases, items)})
+    return suggestions
 
 
-def _release(releases: Sequence[tuple[str, int]], things: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _release(releases: Sequence[tuple[str, int]], items: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Edits that release deformations, in the field of an element that lists numbers, otherwise by a call."""
     ops = []
     for element in dict.fromkeys(name for name, _ in releases):
         numbers = [number for name, number in releases if name == element]
-        thing = next((t for t in things if t.get("name") == element and "nodes" in t.get("args", {})), None)
-        words = str(thing["args"].get("released") or "").replace(",", " ").split() if thing else []
-        if thing and words and all(word.isdecimal() for word in words):
+        item = next((t for t in items if t.get("name") == element and "nodes" in t.get("args", {})), None)
+        words = str(item["args"].get("released") or "").replace(",", " ").split() if item else []
+        if item and words and all(word.isdecimal() for word in words):
             text = " ".join(map(str, sorted({*map(int, words), *numbers})))
-            ops.append({"op": "set", "address": f"{thing['id']}/released", "to": text})
+            ops.append({"op": "set", "address": f"{item['id']}/released", "to": text})
         else:
             ops.append(_add("release", element=element, deformations=" ".join(map(str, numbers))))
     return ops
 
 
-def _determinations(found: Count, things: list[dict[str, Any]]) -> list[Advice]:
+def _determinations(dof_count: Count, items: list[dict[str, Any]]) -> list[Advice]:
     """Degrees of freedom to name, or supports to fix, for motions that are left; or to let the Builder choose."""
-    named = [thing["id"] for thing in things if thing["call"] == "dof"]
-    if found.status not in ("underconstrained", "both", "dof") or not named:
+    named = [item["id"] for item in items if item["call"] == "dof"]
+    if dof_count.status not in ("underconstrained", "both", "dof") or not named:
         return []
-    pieces: list[Advice] = [{"text": "Have the degrees of freedom found", "ops": [{"op": "delete", "ids": named}]}]
-    if found.drawn is None or not found.under:
-        return pieces
-    model = found.drawn
-    motions, _ = motions_of(model)
+    suggestions: list[Advice] = [{"text": "Have the degrees of freedom found", "ops": [{"op": "delete", "ids": named}]}]
+    if dof_count.drawn is None or not dof_count.under:
+        return suggestions
+    model = dof_count.drawn
+    motions, _ = allowed_motions(model)
     rows = named_rows(model, motions)
-    taken, rest = independent_rows(rows, model.topology.n_q, CANNOT_MOVE)
-    left, wanted = motions @ rest, motions.shape[1] - len(taken)
-    if wanted <= 0:
-        return pieces
+    chosen_rows, remaining_basis = independent_rows(rows, model.topology.n_q, CANNOT_MOVE)
+    remaining_motions, n_missing = motions @ remaining_basis, motions.shape[1] - len(chosen_rows)
+    if n_missing <= 0:
+        return suggestions
     x, e = choose(model, motions, rows)
     more = [model.labels.x[i] for i in x] + [model.labels.e[i] for i in e]
-    if len(more) == wanted and all(entry.kind in ("position", "rotation", "deformation") for entry in more):
+    if len(more) == n_missing and all(entry.kind in ("position", "rotation", "deformation") for entry in more):
         names = ", ".join(map(str, more))
-        pieces.append({"text": f"Name {names} as degrees of freedom too", "ops": [_dof(entry) for entry in more]})
+        suggestions.append({"text": f"Name {names} as degrees of freedom too", "ops": [_dof(entry) for entry in more]})
     labels = model.labels.x
     dependent = np.asarray(model.topology.x.dependent).tolist()
     free = [i for i in dependent if labels[i].kind == "position" or labels[i].symbol == "phi"]
-    chosen, _ = independent_rows(left[free], wanted, CANNOT_MOVE)
-    if len(chosen) == wanted:
-        held = [labels[free[i]] for i in sorted(chosen)]
-        ops = [_add("fix", node=entry.of, components=entry.symbol) for entry in held]
-        pieces.append({"text": f"Fix {', '.join(map(str, held))}", "ops": ops})
-    return pieces
+    chosen, _ = independent_rows(remaining_motions[free], n_missing, CANNOT_MOVE)
+    if len(chosen) == n_missing:
+        fixed = [labels[free[i]] for i in sorted(chosen)]
+        ops = [_add("fix", node=entry.of, components=entry.symbol) for entry in fixed]
+        suggestions.append({"text": f"Fix {', '.join(map(str, fixed))}", "ops": ops})
+    return suggestions
 
 
 def _dof(entry: Entry) -> dict[str, Any]:
@@ -125,17 +125,17 @@ def _dof(entry: Entry) -> dict[str, Any]:
     return _add("dof", of=entry.of, components=component)
 
 
-def _of_loose(found: Count, things: list[dict[str, Any]]) -> list[Advice]:
+def _loose_suggestions(dof_count: Count, items: list[dict[str, Any]]) -> list[Advice]:
     """Nodes to delete that nothing joins, and nodes to fix of floating parts."""
-    ids = {thing.get("name"): thing["id"] for thing in things if thing["call"] == "node"}
-    pieces: list[Advice] = []
-    if not any(part.elements for part in found.parts):
-        return pieces
-    for part in found.parts:
+    ids = {item.get("name"): item["id"] for item in items if item["call"] == "node"}
+    suggestions: list[Advice] = []
+    if not any(part.elements for part in dof_count.parts):
+        return suggestions
+    for part in dof_count.parts:
         if part.elements and not part.held and part.nodes:
             node = part.nodes[0]
-            pieces.append({"text": f"Fix node '{node}'", "ops": [_add("fix", node=node)]})
+            suggestions.append({"text": f"Fix node '{node}'", "ops": [_add("fix", node=node)]})
         elif not part.elements and part.nodes and part.nodes[0] in ids:
             node = part.nodes[0]
-            pieces.append({"text": f"Delete node '{node}'", "ops": [{"op": "delete", "ids": [ids[node]]}]})
-    return pieces[:AT_MOST]
+            suggestions.append({"text": f"Delete node '{node}'", "ops": [{"op": "delete", "ids": [ids[node]]}]})
+    return suggestions[:AT_MOST]

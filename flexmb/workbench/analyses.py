@@ -19,7 +19,7 @@ from ..build.builder import Builder
 from ..build.restrict import with_turn
 from ..design.stroke import driven
 from ..design.verdict import verdict
-from ..errors import ModelError, clean, heard
+from ..errors import ModelError, heard, printable
 from ..linear.linearize import Linearization
 from ..linear.stress import Stress, has_stress, stress
 from ..mechanics.loads import has_loads
@@ -32,12 +32,12 @@ from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .building import build, free_names, numbers_of
+from .building import build_document, free_names, numbers_of
 from .document import Document
-from .options import FIELDS, checked, missing
+from .options import FIELDS, checked_options, missing
 from .targets import Watched
 from .traced import traced
-from .wants import unit_of
+from .wants import answer_unit
 
 # pyplot numbers figures of the whole process: draw one picture at a time.
 PICTURES = threading.Lock()
@@ -64,16 +64,16 @@ class Request:
     @property
     def name(self) -> str:
         """Title of the document."""
-        return clean(self.document.data["title"]) or "mechanism"
+        return printable(self.document.data["title"]) or "mechanism"
 
     def watch(self, what: str, total: float | None = None) -> Callable[..., None]:
         """A function to call with the number of things done; it stops when the job does."""
 
-        def report(done: float, *more: Any) -> None:
+        def report(completed: float, *more: Any) -> None:
             if self.job.stopped:
                 raise Stopped
             goal = total if total is not None or not more else more[0]
-            self.job.tell(fraction=min(1.0, done / goal) if goal else None, text=f"{what}: {done:g}")
+            self.job.tell(fraction=min(1.0, completed / goal) if goal else None, text=f"{what}: {completed:g}")
 
         return report
 
@@ -84,20 +84,20 @@ MOST_LINES = 60
 
 def analyses() -> dict[str, Analysis]:
     """All analyses by name."""
-    return {mode.name: _of_mode(mode) for mode in modes().values()} | OWN
+    return {mode.name: _analysis_of_mode(mode) for mode in modes().values()} | WORKBENCH_ANALYSES
 
 
-def offered(document: Document) -> dict[str, dict[str, Any]]:
+def offered_analyses(document: Document) -> dict[str, dict[str, Any]]:
     """Analyses for the page: title, doc, fields, and what the document lacks, in words."""
-    found = {}
+    offers = {}
     for name, analysis in analyses().items():
         fields = [field for need in analysis.needs for field in FIELDS.get(need, lambda _: [])(document)]
         lacks = next((text for need in analysis.needs if (text := missing(need, document))), None)
-        found[name] = {"title": analysis.title, "doc": analysis.doc, "fields": fields, "missing": lacks}
-    return found
+        offers[name] = {"title": analysis.title, "doc": analysis.doc, "fields": fields, "missing": lacks}
+    return offers
 
 
-def _of_mode(mode: Mode) -> Analysis:
+def _analysis_of_mode(mode: Mode) -> Analysis:
     function = inspect.unwrap(getattr(mode.run, "func", mode.run))
     text = (sys.modules[function.__module__].__doc__ or "").partition(":")[2].strip()
     needs = (*mode.needs, *(("frequencies",) if "signals" in mode.needs else ()))
@@ -113,16 +113,16 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
         "status" ("done" or "failed"), "title", "text", "rows", and if there are any "picture" (SVG) and "view" (data
         of a page that plays it).
     """
-    known = offered(document)
+    known = offered_analyses(document)
     if name not in known:
-        raise ValueError(f"There is no analysis '{clean(name)}'. There are: {', '.join(known)}.")
+        raise ValueError(f"There is no analysis '{printable(name)}'. There are: {', '.join(known)}.")
     analysis = known[name]
     if analysis["missing"]:
         raise ModelError(analysis["missing"])
-    built = build(document)
+    built = build_document(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-    asked = Request(document, built.builder, checked(analysis, options, document), job)
+    asked = Request(document, built.builder, checked_options(analysis, options, document), job)
     job.tell(title=analysis["title"], text="compiling")
     return {"title": analysis["title"], **analyses()[name].run(asked)}
 
@@ -140,42 +140,42 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
         # A path ends at the load factor 1.
         report = watch
         watch = lambda states, load: report(max(float(load), 0.0), 1.0)  # noqa: E731
-    found = answer(
+    mode_answer = answer(
         asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
     )
-    lines = table(found.data).splitlines()[1:]
+    lines = table(mode_answer.data).splitlines()[1:]
     more = [f"… and {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
     data: dict[str, Any] = {
-        "status": "failed" if found.exit_status else "done",
+        "status": "failed" if mode_answer.exit_status else "done",
         "text": "\n".join([*lines[:MOST_LINES], *more]),
-        "rows": _rows(found.found),
+        "rows": _rows(mode_answer.found),
     }
-    if found.model is None or (found.exit_status and found.found is None and found.lin is None):
+    if mode_answer.model is None or (mode_answer.exit_status and mode_answer.found is None and mode_answer.lin is None):
         return data
     asked.job.tell(text="drawing")
     with PICTURES, heard():
-        data["picture"] = _picture(found, options).decode()
-    states = found.shown.states() if hasattr(found.shown, "states") else None
-    along = found.found if states is not None and states.along is not None else None
+        data["picture"] = _picture(mode_answer, options).decode()
+    states = mode_answer.shown.states() if hasattr(mode_answer.shown, "states") else None
+    along = mode_answer.found if states is not None and states.along is not None else None
     with heard():
         stresses = _stresses(along) if along is not None else None
-        data["view"] = page_data(view(found.shown, stresses) if stresses else view(found.shown))
+        data["view"] = page_data(view(mode_answer.shown, stresses) if stresses else view(mode_answer.shown))
     return data
 
 
-def _rows(found: Any) -> list[list[str]]:
-    return [] if found is None else [[name, text] for name, text in found.summary().rows.items()]
+def _rows(result: Any) -> list[list[str]]:
+    return [] if result is None else [[name, text] for name, text in result.summary().rows.items()]
 
 
-def _picture(found: Answer, options: Mapping[str, Any]) -> bytes:
+def _picture(mode_answer: Answer, options: Mapping[str, Any]) -> bytes:
     low, high = options.get("low"), options.get("high")
-    if found.picture != "bode" or (low is None and high is None):
-        return image(found, "svg")
+    if mode_answer.picture != "bode" or (low is None and high is None):
+        return image(mode_answer, "svg")
     low = (high or 1.0) / 1e4 if low is None else low
     high = low * 1e4 if high is None else high
     if not 0 < low < high:
         raise ValueError(f"The frequencies are {low:g} and {high:g} Hz. They must be positive and ascending.")
-    return figure_bytes(lambda: plot.bode(found.lin, hertz=np.geomspace(low, high, 400)), "svg")
+    return figure_bytes(lambda: plot.bode(mode_answer.lin, hertz=np.geomspace(low, high, 400)), "svg")
 
 
 def _stresses(result: Any) -> list[Stress] | None:
@@ -187,10 +187,10 @@ def _stresses(result: Any) -> list[Stress] | None:
         every = stress(model, at=result)
     except (ModelError, TypeError, ValueError):
         return None
-    return [_one_of(every, i) for i in range(every.von_mises.shape[0])]
+    return [_stress_of_state(every, i) for i in range(every.von_mises.shape[0])]
 
 
-def _one_of(every: Stress, i: int) -> Stress:
+def _stress_of_state(every: Stress, i: int) -> Stress:
     """One of several states; strengths are the same in all."""
     resultants = dataclasses.replace(every.resultants, values=every.resultants.values[i])
     across = None if every.across is None else every.across[i]
@@ -201,18 +201,18 @@ def _one_of(every: Stress, i: int) -> Stress:
 def _trajectory(asked: Request) -> dict[str, Any]:
     """Settings of a file for a trajectory of a coordinate, with the inputs and outputs of the mechanism."""
     builder, options = asked.builder, asked.options
-    name = options["coordinate"] or _one_coordinate(builder)
+    name = options["coordinate"] or _only_coordinate(builder)
     node, _, axis = name.rpartition(".")
-    of, component = (f"{node}.rotation", 1) if axis == "phi" else (node, "xyz".index(axis) + 1)
-    if of not in builder.nodes:
-        raise ModelError(f"'{clean(name)}' does not turn: no element asks for the rotation of '{clean(node)}'.")
-    key = ("node", of, component)
-    if not builder.dofs and builder.nodes[of].roles[component - 1].name == "DEPENDENT":
+    owner, component = (f"{node}.rotation", 1) if axis == "phi" else (node, "xyz".index(axis) + 1)
+    if owner not in builder.nodes:
+        raise ModelError(f"'{printable(name)}' does not turn: no element asks for the rotation of '{printable(node)}'.")
+    key = ("node", owner, component)
+    if not builder.dofs and builder.nodes[owner].roles[component - 1].name == "DEPENDENT":
         builder.dof(node, axis)
-    node_start: Any = builder.nodes[of]
+    node_start: Any = builder.nodes[owner]
     start = float(node_start.start[component - 1])
     # Names of files are numbers.
-    at: Any = of
+    at: Any = owner
     leg = Leg(at, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)
     settings: dict[str, Any] = {"TRAJX": [leg]}
     for i, signal in enumerate(builder.signals["input"], 1):
@@ -222,8 +222,8 @@ def _trajectory(asked: Request) -> dict[str, Any]:
     for i, signal in enumerate(builder.signals["output"], 1):
         if signal.quantity in words:
             settings.setdefault(words[signal.quantity], []).append(_channel(i, signal))
-    if not builder.signals["input"] and builder.nodes[of].roles[component - 1].name == "DOF":
-        raise ModelError(f"Nothing drives '{clean(name)}'. Add an input there, or prescribe it.")
+    if not builder.signals["input"] and builder.nodes[owner].roles[component - 1].name == "DOF":
+        raise ModelError(f"Nothing drives '{printable(name)}'. Add an input there, or prescribe it.")
     return settings
 
 
@@ -232,10 +232,10 @@ def _channel(number: int, signal: Any) -> Channel:
     return Channel(number, signal.key[1], component, 1)
 
 
-def _one_coordinate(builder: Builder) -> str:
+def _only_coordinate(builder: Builder) -> str:
     if len(builder.dofs) == 1 and builder.dofs[0][0] == "node":
-        _, of, component = builder.dofs[0]
-        return f"{of.removesuffix('.rotation')}.{'phi' if of.endswith('.rotation') else 'xyz'[component - 1]}"
+        _, owner, component = builder.dofs[0]
+        return f"{owner.removesuffix('.rotation')}.{'phi' if owner.endswith('.rotation') else 'xyz'[component - 1]}"
     raise ModelError("No coordinate is chosen. Choose one above, or name one degree of freedom.")
 
 
@@ -245,20 +245,20 @@ def _stroke(asked: Request) -> dict[str, Any]:
     stroke: Any = options["to"] if options["coordinate"] is None else {options["coordinate"]: options["to"]}
     with heard() as warnings:
         watch = asked.watch("strokes")
-        found = verdict(model, stroke, node=options["node"], steps=options["steps"], progress=watch)
+        assessment = verdict(model, stroke, node=options["node"], steps=options["steps"], progress=watch)
     asked.job.tell(text="drawing")
-    title, rows, *_ = found.summary()
+    title, rows, *_ = assessment.summary()
     text = "\n".join([title, *warnings])
     with PICTURES, heard():
-        picture = figure_bytes(lambda: plot.verdict(found), "svg").decode()
+        picture = figure_bytes(lambda: plot.verdict(assessment), "svg").decode()
     with heard():
         stresses = None
-        if "stress" in found.curves:
+        if "stress" in assessment.curves:
             model = with_turn(model, str(options["coordinate"]))
-            what = driven(model, options["coordinate"])
-            states: list[Linearization] = [what.at(model, s).held for s in found.stroke.tolist()]
+            excitation = driven(model, options["coordinate"])
+            states: list[Linearization] = [excitation.at(model, s).held for s in assessment.stroke.tolist()]
             stresses = [stress(state.model, at=state) for state in states]
-        data = page_data(view(found, stresses) if stresses else view(found))
+        data = page_data(view(assessment, stresses) if stresses else view(assessment))
     return {"status": "done", "text": text, "rows": list(map(list, rows.items())), "picture": picture, "view": data}
 
 
@@ -266,11 +266,14 @@ def _sweep(asked: Request) -> dict[str, Any]:
     """Frequencies, load multiplier, stress and mass as one name varies."""
     options, document, model = asked.options, asked.document, asked.builder.build()
     name, numbers = options["name"] or free_names(document)[0], numbers_of(document)
-    now = float(numbers[f"names/{name}/value"])
+    present_value = float(numbers[f"names/{name}/value"])
     ends = [options[end] if options[end] is not None else numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
-    low, high = (float(v if v is not None else w) for v, w in zip(ends, sorted((now / 2, 2 * now)), strict=True))
+    low, high = (
+        float(v if v is not None else w)
+        for v, w in zip(ends, sorted((present_value / 2, 2 * present_value)), strict=True)
+    )
     if not low < high:
-        raise ValueError(f"'{clean(name)}' goes from {low:g} to {high:g}. The last value must be larger.")
+        raise ValueError(f"'{printable(name)}' goes from {low:g} to {high:g}. The last value must be larger.")
     keys = [f"frequency {i + 1}" for i in range(min(3, model.topology.n_q))] + ["mass"]
     if has_loads(model.topology, model.parameters):
         keys += ["multiplier 1"] + (["stress"] if has_stress(model) else [])
@@ -283,17 +286,17 @@ def _sweep(asked: Request) -> dict[str, Any]:
         names[function.names.index(name)] = value
         answers, _, code = at(names)
         rows.append(np.where(np.isfinite(answers) & (code == 0), answers, np.nan))
-    found = np.array(rows)
-    lost = int(np.sum(np.any(np.isnan(found), axis=1)))
+    results = np.array(rows)
+    lost = int(np.sum(np.any(np.isnan(results), axis=1)))
     with PICTURES, heard():
-        picture = figure_bytes(lambda: _curves(name, values, now, keys, found), "svg").decode()
-    plain = [[number if np.isfinite(number) else None for number in row] for row in found.tolist()]
+        picture = figure_bytes(lambda: _curves(name, values, present_value, keys, results), "svg").decode()
+    plain = [[number if np.isfinite(number) else None for number in row] for row in results.tolist()]
     table = [{name: v, **dict(zip(keys, row, strict=True))} for v, row in zip(values.tolist(), plain, strict=True)]
-    text = f"{clean(name)} from {low:g} to {high:g}" + (f"; {lost} designs have no answer" if lost else "")
+    text = f"{printable(name)} from {low:g} to {high:g}" + (f"; {lost} designs have no answer" if lost else "")
     return {"status": "done", "text": text, "rows": table, "picture": picture}
 
 
-def _curves(name: str, values: np.ndarray, now: float, keys: list[str], found: np.ndarray) -> Any:
+def _curves(name: str, values: np.ndarray, present_value: float, keys: list[str], results: np.ndarray) -> Any:
     """A panel for each kind of answer."""
     import matplotlib.pyplot as plt
 
@@ -302,12 +305,12 @@ def _curves(name: str, values: np.ndarray, now: float, keys: list[str], found: n
     for i, kind in enumerate(kinds):
         ax = figure.add_subplot(-(-len(kinds) // 2), min(2, len(kinds)), i + 1)
         entries = [k for k, key in enumerate(keys) if key.partition(" ")[0] == kind]
-        unit_of_kind = unit_of(keys[entries[0]])
-        factor, unit = prefix_for(float(np.nanmax(np.abs(found[:, entries]), initial=0.0)), unit_of_kind)
+        unit_of_kind = answer_unit(keys[entries[0]])
+        factor, unit = prefix_for(float(np.nanmax(np.abs(results[:, entries]), initial=0.0)), unit_of_kind)
         factor, unit = (1.0, "kg") if kind == "mass" else (factor, unit) if unit_of_kind else (1.0, "-")
         for k in entries:
-            ax.plot(values, factor * found[:, k], label=keys[k])
-        ax.axvline(now, color=GREY, linewidth=1.0, linestyle="--")
+            ax.plot(values, factor * results[:, k], label=keys[k])
+        ax.axvline(present_value, color=GREY, linewidth=1.0, linestyle="--")
         ax.set(xlabel=name.replace("$", r"\$"), ylabel=f"{kind} [{unit}]")
         ax.grid(visible=True, alpha=0.3)
         if len(entries) > 1:
@@ -315,7 +318,7 @@ def _curves(name: str, values: np.ndarray, now: float, keys: list[str], found: n
     return figure
 
 
-OWN = {
+WORKBENCH_ANALYSES = {
     "stroke": Analysis(
         "Over the stroke",
         "Force of the drive, stress, support stiffness, frequencies and parasitic motion at each stroke.",

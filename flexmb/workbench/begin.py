@@ -7,10 +7,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import clean
+from ..errors import printable
 from .document import Document, EditError
 from .filing import opened
-from .places import Storage, left_place, new_place, place_of
+from .places import Storage, file_place, new_place, unsaved_storage
 from .session import Session
 from .undo import History, recover, unreadable
 
@@ -20,14 +20,14 @@ class TakenError(OSError):
 
     def __init__(self, path: Path, address: str | None):
         where = f": {address}" if address else ""
-        super().__init__(f"'{clean(path.name)}' is already open in another workbench{where}")
+        super().__init__(f"'{printable(path.name)}' is already open in another workbench{where}")
         self.address = address
 
 
 def session_of_file(path: Path) -> Session:
     """A session on a file, with the edits that a killed process did not save."""
     path = path.expanduser().absolute()
-    place = place_of(path)
+    place = file_place(path)
     if place.is_taken():
         raise TakenError(path, place.address())
     history, damage = _recovered(place)
@@ -36,9 +36,9 @@ def session_of_file(path: Path) -> Session:
         session.file.recovered = True
         session.file.know()
         return session
-    found = opened(path)
-    notes = [*damage, *found.notes]
-    session = Session(History(found.document, place.journal, file=str(path)), place=place, notes=notes)
+    file_content = opened(path)
+    notes = [*damage, *file_content.notes]
+    session = Session(History(file_content.document, place.journal, file=str(path)), place=place, notes=notes)
     session.file.know()
     return session
 
@@ -46,7 +46,7 @@ def session_of_file(path: Path) -> Session:
 def session_of_new(document: Document | None = None, notes: list[str] | None = None) -> Session:
     """A session on a document, or else on the new mechanism that a killed process left last."""
     notes = list(notes or ())
-    while document is None and (place := left_place()) is not None:
+    while document is None and (place := unsaved_storage()) is not None:
         history, damage = _recovered(place)
         notes += damage
         if history is not None:
@@ -79,8 +79,8 @@ def _recovered(place: Storage) -> tuple[History | None, list[str]]:
     try:
         history = recover(place.journal)
     except EditError:
-        kept = place.journal.replace(unreadable(place.journal))
-        return None, [f"The journal of unsaved edits cannot be read. It is kept as '{kept}'."]
+        backup = place.journal.replace(unreadable(place.journal))
+        return None, [f"The journal of unsaved edits cannot be read. It is kept as '{backup}'."]
     damage = [history.damage] if history.damage else []
     if history.is_saved:
         history.close()

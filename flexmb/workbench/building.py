@@ -13,10 +13,10 @@ import jax.core
 from ..arguments import is_concrete
 from ..build.builder import Builder
 from ..build.calls import MadeCall
-from ..build.carry import carried
+from ..build.carry import carried_choices
 from ..build.properties import check_record
 from ..elements import planar, spatial
-from ..errors import clean
+from ..errors import printable
 from ..model.model import Model
 from .content import Document, EditError
 from .edits import texts
@@ -24,14 +24,13 @@ from .fields import ENDS_IN_WORDS, Call
 from .references import call_of, referred
 from .values import evaluated
 from .values import free_names as free_names
-from .values import numbers_of as numbers_of
 from .values import structure as structure
 
 ROOMS = {"planar": planar, "spatial": spatial}
 # Kinds of fields that contain a list.
 LISTS = ("vector", "weights", "components", "deformations", "nodes", "sections")
 # Words of the Builder's messages for contents of fields of a kind.
-SAID = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
+FIELD_WORDS = {"deformations": "deformation", "components": "coordinate|deformation", "nodes": "node|joins|length"}
 FLAGS = {"true": True, "false": False}
 
 
@@ -59,19 +58,19 @@ class Built:
         """The model of what could be built, in a trace with degrees of freedom and clamps of the model ``like``."""
         if like is None:
             return self.builder.build()
-        with carried([like]):
+        with carried_choices([like]):
             return self.builder.build()
 
 
-def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built:
+def build_document(document: Document, numbers: Mapping[str, Any] | None = None) -> Built:
     """Make the calls of a document on a Builder, with other values by address if given, which may be traced."""
-    found, faults = evaluated(document)
+    values, faults = evaluated(document)
     if numbers is not None:
-        return _Building(document, {**found, **numbers}, faults).done()
+        return _Building(document, {**values, **numbers}, faults).done()
     if "built" not in document.kept:
         # Concrete also within a trace, since it is kept.
         with jax.core.eval_context():
-            document.kept["built"] = _Building(document, dict(found), faults).done()
+            document.kept["built"] = _Building(document, dict(values), faults).done()
     built = document.kept["built"]
     # Callers may change their copy of the builder.
     return dataclasses.replace(built, builder=built.builder.copy())
@@ -79,14 +78,14 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
 
 def positions(document: Document, built: Built | None = None) -> dict[str, list[float]]:
     """Positions of nodes by name, [x, y] or [x, y, z]; also of nodes that cannot be built."""
-    found, _ = evaluated(document)
+    values, _ = evaluated(document)
     places: dict[str, list[float]] = {}
-    for thing in document.things:
-        if thing["call"] == "node" and thing.get("name"):
-            position = [found.get(f"{thing['id']}/position/{k}") for k in range(document.dimension)]
-            if len(thing["args"].get("position", ())) == document.dimension and None not in position:
-                places[thing["name"]] = [float(value) for value in position if value is not None]
-    for name, node in (built or build(document)).builder.nodes.items():
+    for item in document.things:
+        if item["call"] == "node" and item.get("name"):
+            position = [values.get(f"{item['id']}/position/{k}") for k in range(document.dimension)]
+            if len(item["args"].get("position", ())) == document.dimension and None not in position:
+                places[item["name"]] = [float(value) for value in position if value is not None]
+    for name, node in (built or build_document(document)).builder.nodes.items():
         if node.kind.part == "position" and is_concrete(node.start):
             places.setdefault(name, [float(value) for value in node.start])
     return places
@@ -109,23 +108,23 @@ class Arguments:
 
     def of(self, call: Call, thing: dict[str, Any], tell: Callable[[str, str], None]) -> dict[str, Any]:
         """Values of the fields that are given; faults go to ``tell(address, message)``."""
-        found, given = {}, thing["args"]
-        for key, value in given.items():
+        arguments, args = {}, thing["args"]
+        for key, value in args.items():
             field, address = call.fields.get(key), f"{thing['id']}/{key}"
             if field is None:
-                tell(address, f"{call.name} takes no '{clean(key)}'. It takes: {', '.join(call.fields)}.")
+                tell(address, f"{call.name} takes no '{printable(key)}'. It takes: {', '.join(call.fields)}.")
                 continue
             if value in ("", []):
                 continue
             try:
-                found[key] = self._argument(field, address, value)
+                arguments[key] = self._argument(field, address, value)
             except EditError as fault:
                 tell(fault.address, fault.message)
         for key, field in call.fields.items():
-            if not field["optional"] and given.get(key) in (None, "", []):
+            if not field["optional"] and args.get(key) in (None, "", []):
                 title, word = call.entry["title"].capitalize(), field["name"].replace("_", " ")
                 tell(f"{thing['id']}/{key}", f"{title} needs its {word}.")
-        return found
+        return arguments
 
     def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
         kind = field["kind"]
@@ -158,24 +157,26 @@ class Arguments:
             return self._record(kind, address, value)
         if kind == "flag":
             if value not in FLAGS:
-                raise EditError(address, f"This must be true or false, not '{clean(value)}'.")
+                raise EditError(address, f"This must be true or false, not '{printable(value)}'.")
             return FLAGS[value]
         if kind == "choice":
             if value not in field["choices"]:
-                raise EditError(address, f"This must be one of {', '.join(field['choices'])}, not '{clean(value)}'.")
+                raise EditError(
+                    address, f"This must be one of {', '.join(field['choices'])}, not '{printable(value)}'."
+                )
             return {"clamped": ENDS_IN_WORDS.get, "element": self.element}.get(field["name"], str)(value)
         return value
 
     def _number(self, field: dict[str, Any], address: str, value: Any) -> Any:
         if isinstance(value, list):
-            return [self._one(f"{address}/{k}") for k in range(len(value))]
+            return [self._value_at(f"{address}/{k}") for k in range(len(value))]
         if not field["whole"]:
-            return self._one(address)
+            return self._value_at(address)
         # It chooses code and is never traced.
-        self._one(address)
+        self._value_at(address)
         number = self.concrete[address]
         if number != int(number):
-            raise EditError(address, f"This must be a whole number, not '{clean(value)}'.")
+            raise EditError(address, f"This must be a whole number, not '{printable(value)}'.")
         return int(number)
 
     def _vector(self, field: dict[str, Any], address: str, value: Any) -> Any:
@@ -186,21 +187,23 @@ class Arguments:
             raise EditError(address, "This is for mechanisms in space.")
         if count is not None and not alone and len(value) != count:
             raise EditError(address, f"This takes {count} number{'s' * (count > 1)}, not {len(value)}.")
-        found = [self._one(address)] if alone else [self._one(f"{address}/{k}") for k in range(len(value))]
-        is_one = len(found) == 1 and (alone or count in (None, 1))
-        return found[0] if is_one and field["name"] not in ("values", "start", "breaks") else tuple(found)
+        numbers = [self._value_at(address)] if alone else [self._value_at(f"{address}/{k}") for k in range(len(value))]
+        is_one = len(numbers) == 1 and (alone or count in (None, 1))
+        return numbers[0] if is_one and field["name"] not in ("values", "start", "breaks") else tuple(numbers)
 
     def _weights(self, address: str, value: Any) -> dict[str, Any]:
-        found = {}
+        weights = {}
         for k, pair in enumerate(value):
             if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
                 raise EditError(f"{address}/{k}", "Each part needs a name and a factor.")
-            if pair[0] in found:
-                raise EditError(f"{address}/{k}/0", f"'{clean(pair[0])}' is given twice: give the sum of its factors.")
-            found[pair[0]] = self._one(f"{address}/{k}/1")
-        return found
+            if pair[0] in weights:
+                raise EditError(
+                    f"{address}/{k}/0", f"'{printable(pair[0])}' is given twice: give the sum of its factors."
+                )
+            weights[pair[0]] = self._value_at(f"{address}/{k}/1")
+        return weights
 
-    def _one(self, address: str) -> Any:
+    def _value_at(self, address: str) -> Any:
         if address in self.faults and address not in self.values:
             raise EditError(address, self.faults[address])
         if address not in self.values:
@@ -210,30 +213,30 @@ class Arguments:
     def _record(self, kind: str, address: str, name: str) -> Any:
         id = self.document.known.thing((kind,), name)
         if id is None:
-            known = ", ".join(map(clean, self.document.known.by_space.get(kind, {}))) or "none yet"
-            raise EditError(address, f"There is no {kind} '{clean(name)}'. There are: {known}.")
+            known = ", ".join(map(printable, self.document.known.by_space.get(kind, {}))) or "none yet"
+            raise EditError(address, f"There is no {kind} '{printable(name)}'. There are: {known}.")
         return self.records[id]
 
 
-def arranged(call: Call, name: str | None, args: Mapping[str, Any]) -> tuple[list[Any], dict[str, Any]]:
+def call_arguments(call: Call, name: str | None, args: Mapping[str, Any]) -> tuple[list[Any], dict[str, Any]]:
     """Positional and keyword arguments of a call."""
-    rest = dict(args)
+    remaining = dict(args)
     named = {"name": name} if call.makes and name else {}
     if call.kind in ("element", "block"):
-        nodes = list(rest.pop("nodes")) if call.kind == "element" else []
-        return nodes, named | rest if nodes else rest | named
+        nodes = list(remaining.pop("nodes")) if call.kind == "element" else []
+        return nodes, named | remaining if nodes else remaining | named
     if call.kind in ("record", "constant"):
-        return [], rest
-    rest |= named
+        return [], remaining
+    remaining |= named
     by_place: list[Any] = []
     for key, parameter in list(inspect.signature(call.function).parameters.items())[1:]:
         if parameter.kind is parameter.VAR_POSITIONAL:
-            by_place += rest.pop(key, ())
-        elif key not in rest or parameter.kind is parameter.KEYWORD_ONLY:
+            by_place += remaining.pop(key, ())
+        elif key not in remaining or parameter.kind is parameter.KEYWORD_ONLY:
             break
         else:
-            by_place.append(rest.pop(key))
-    return by_place, rest
+            by_place.append(remaining.pop(key))
+    return by_place, remaining
 
 
 class _Building:
@@ -247,18 +250,18 @@ class _Building:
         self.made: dict[str, list[MadeCall]] = {}
         self.records = self.arguments.records
         self.state: dict[str, str] = {}
-        self.needs = {thing["id"]: referred(document.known, thing) for thing in document.things}
+        self.needs = {item["id"]: referred(document.known, item) for item in document.things}
 
     def done(self) -> Built:
         used = {address for address, _ in texts(self.document)}
         for address, message in self.faults.items():
             if address in used and address.startswith("names/"):
                 self._tell(address, message)
-        for thing in self.document.things:
-            self._visit(thing["id"])
-        skipped = [thing["id"] for thing in self.document.things if self.state[thing["id"]] != "made"]
-        places = {thing["id"]: k for k, thing in enumerate(self.document.things)}
-        self.problems.sort(key=lambda one: places.get(one["address"].partition("/")[0], -1))
+        for item in self.document.things:
+            self._visit(item["id"])
+        skipped = [item["id"] for item in self.document.things if self.state[item["id"]] != "made"]
+        places = {item["id"]: k for k, item in enumerate(self.document.things)}
+        self.problems.sort(key=lambda problem: places.get(problem["address"].partition("/")[0], -1))
         return Built(self.builder, self.problems, skipped, self.made, self.records, self.values)
 
     def _tell(self, address: str, message: str) -> None:
@@ -285,40 +288,40 @@ class _Building:
             else:
                 self.state[id] = "made" if self._make(self.document.by_id[id]) else "left out"
 
-    def _make(self, thing: dict[str, Any]) -> bool:
+    def _make(self, item: dict[str, Any]) -> bool:
         """Make the call of a thing; False if it fails."""
-        call, id = call_of(thing), thing["id"]
+        call, id = call_of(item), item["id"]
         if call is None:
-            self._tell(id, f"This version has no call '{clean(thing['call'])}'.")
+            self._tell(id, f"This version has no call '{printable(item['call'])}'.")
             return False
         before = len(self.problems)
-        args = self.arguments.of(call, thing, self._tell)
+        args = self.arguments.of(call, item, self._tell)
         if len(self.problems) > before:
             return False
         nodes, members, calls = map(len, (self.builder.nodes, self.builder.members, self.builder.calls))
         trial = self.builder.copy() if call.kind == "block" else self.builder
         try:
-            self._call(trial, call, thing, args)
+            self._call(trial, call, item, args)
         except (ValueError, TypeError, ImportError, OSError, ArithmeticError) as fault:
-            self._tell(self._address_of(call, thing, str(fault)), str(fault) or type(fault).__name__)
+            self._tell(self._address_of(call, item, str(fault)), str(fault) or type(fault).__name__)
             # Take back what the call has added so far.
-            for kept, contents in ((nodes, self.builder.nodes), (members, self.builder.members)):
-                for name in list(contents)[kept:]:
+            for n_before, contents in ((nodes, self.builder.nodes), (members, self.builder.members)):
+                for name in list(contents)[n_before:]:
                     del contents[name]
             return False
         self.builder = trial
         self.made[id] = self.builder.calls[calls:]
         return True
 
-    def _call(self, builder: Builder, call: Call, thing: dict[str, Any], args: dict[str, Any]) -> None:
-        name, id = thing.get("name"), thing["id"]
-        by_place, by_name = arranged(call, name, args)
+    def _call(self, builder: Builder, call: Call, item: dict[str, Any], args: dict[str, Any]) -> None:
+        name, id = item.get("name"), item["id"]
+        by_place, by_name = call_arguments(call, name, args)
         if call.kind == "constant":
             self.records[id] = call.function
         elif call.kind == "record":
-            made = call.function(**by_name)
-            check_record(f"{call.makes} '{name}'", made)
-            self.records[id] = made
+            record = call.function(**by_name)
+            check_record(f"{call.makes} '{name}'", record)
+            self.records[id] = record
         elif call.kind == "element":
             builder.add(call.function, *by_place, **by_name)
         elif call.kind == "block":
@@ -326,24 +329,24 @@ class _Building:
         else:
             getattr(builder, call.name)(*by_place, **by_name)
 
-    def _address_of(self, call: Call, thing: dict[str, Any], message: str) -> str:
+    def _address_of(self, call: Call, item: dict[str, Any], message: str) -> str:
         """Address of the field that a message of the Builder is likely about."""
-        id = thing["id"]
-        unknown = [address for address, of in self.needs[id].items() if of is None]
+        id = item["id"]
+        unknown = [address for address, target_id in self.needs[id].items() if target_id is None]
         if unknown:
             return f"{id}/{unknown[0]}"
         quoted = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
         # Names of things are no names of fields.
         plain = re.sub(r"'[^']*'", "", message)
-        found = {
-            key: re.search(rf"\b({SAID.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
+        matches = {
+            key: re.search(rf"\b({FIELD_WORDS.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
             for key, field in call.fields.items()
         }
-        places = {key: match.start() for key, match in found.items() if match}
+        places = {key: match.start() for key, match in matches.items() if match}
         words = sorted(places, key=lambda key: places[key])
-        given = thing["args"]
-        said = [key for key in quoted if key in given] or [key for key in words if key in given] or quoted
-        return f"{id}/{said[0]}" if said else id
+        args = item["args"]
+        candidates = [key for key in quoted if key in args] or [key for key in words if key in args] or quoted
+        return f"{id}/{candidates[0]}" if candidates else id
 
 
 def _words(address: str, value: Any) -> list[str | int]:

@@ -14,11 +14,11 @@ from jaxtyping import Float
 from ..display import listed
 from ..elements.section import Rigidity
 from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
-from ..errors import ModelError, clean
+from ..errors import ModelError, printable
 from ..math.rotation import initial_frame
 from ..model.model import Model
 from ..numerical_limits import STRAIGHT_LINE
-from ..plot.geometry import PLACES, Line, extent_of, lines, names_of, nodes_of
+from ..plot.geometry import PLACES, Line, element_names, lines, nodes_of, point_extent
 from ..plot.sections import across_of, shapes_of
 
 MILLIMETRES = 1e3
@@ -61,7 +61,7 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
     drawn = lines(model, x, straight=True)
     parts, extent = list(_parts(model, x, drawn)), _extent(model)
     solids, known = [_solid(cad, part) for part in parts], {part.name for part in parts}
-    bars, left = [], []
+    bars, without_shape = [], []
     for line in drawn:
         if line.element in known:
             continue
@@ -69,17 +69,17 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
             bars.append(line.element)
             solids += _bars(cad, line, BAR * extent)
         else:
-            left.append(line.element)
+            without_shape.append(line.element)
     if not solids:
         raise ModelError("No element has a section with a shape. A STEP file would be empty.")
     notes = ["Lengths are in millimetres."]
     if bars:
         size = f"{1e3 * BAR * extent:.3g}"
         notes.append(f"Elements without a section are round bars of {size} mm: {listed(bars)}.")
-    if left:
-        notes.append(f"Elements without a shape are left out: {listed(left)}.")
-    whole, buffer = cad.Compound(label=clean(title), children=solids), io.BytesIO()
-    cad.export_step(whole, buffer)
+    if without_shape:
+        notes.append(f"Elements without a shape are left out: {listed(without_shape)}.")
+    compound, buffer = cad.Compound(label=printable(title), children=solids), io.BytesIO()
+    cad.export_step(compound, buffer)
     return Exported(buffer.getvalue(), notes)
 
 
@@ -111,7 +111,7 @@ def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
     for name, index in nodes_of(model).items():
         at = MILLIMETRES * _in_space(x[index][None])[0]
         space.add_point(at.tolist(), dxfattribs={"layer": "nodes"})
-        text = space.add_text(clean(name), height=MILLIMETRES * 0.015 * extent, dxfattribs={"layer": "names"})
+        text = space.add_text(printable(name), height=MILLIMETRES * 0.015 * extent, dxfattribs={"layer": "names"})
         text.set_placement(at.tolist())
     stream = io.StringIO()
     drawing.write(stream)
@@ -133,16 +133,16 @@ LAYER_OF = {"beam": "centrelines", "bar": "centrelines", "rigid": "rigid", "spri
 )
 
 
-def _library(name: str, what: str) -> Any:
+def _library(name: str, feature: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise ImportError(f"{what} needs {name}: pip install 'flexmb[cad]'.") from None
+        raise ImportError(f"{feature} needs {name}: pip install 'flexmb[cad]'.") from None
 
 
 def _extent(model: Model) -> float:
     x = np.asarray(model.parameters.reference)
-    return extent_of(np.array([x[index] for index in nodes_of(model).values()]))
+    return point_extent(np.array([x[index] for index in nodes_of(model).values()]))
 
 
 def _length(points: np.ndarray) -> float:
@@ -162,15 +162,17 @@ def _few(points: np.ndarray, extent: float) -> np.ndarray:
 
 def _sections(model: Model) -> dict[str, Section]:
     """Section of each element with one, by the element's name."""
-    found: dict[str, Section] = {}
+    section_of: dict[str, Section] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        names, section = names_of(model, block), properties.get("section")
+        names, section = element_names(model, block), properties.get("section")
         if not names or section is None:
             continue
         stacks = section if isinstance(section, tuple) else (section,)
-        each = [jax.tree.map(lambda a, i=i: a[i], one) for one in stacks for i in range(len(jax.tree.leaves(one)[0]))]
-        found.update(zip(names, each, strict=True))
-    return found
+        element_sections = [
+            jax.tree.map(lambda a, i=i: a[i], stack) for stack in stacks for i in range(len(jax.tree.leaves(stack)[0]))
+        ]
+        section_of.update(zip(names, element_sections, strict=True))
+    return section_of
 
 
 def _outline(section: Section) -> _Outline | None:
@@ -193,12 +195,12 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
     """Elements with a known orientation whose sections have a shape."""
     sections, extent = _sections(model), _extent(model)
     across = across_of(model, x, drawn, shapes_of(model))
-    rest = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
+    undeformed = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
     for line in drawn:
         section = sections.get(line.element)
         if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT_LINE * extent:
             continue
-        length = _length(rest[line.element].points)
+        length = _length(undeformed[line.element].points)
         places = PLACES.tolist() if section.varies else [0.0]
         known = [shape for place in places if (shape := _outline(section.at(place, length))) is not None]
         if len(known) < len(places):
@@ -229,11 +231,11 @@ def _untwisted(tangents: np.ndarray) -> np.ndarray:
     """Directions across a line that do not turn about it, (places, 3)."""
     start, end = np.zeros(3), tangents[0]
     y = np.asarray(initial_frame(jnp.asarray(start), jnp.asarray(end), None))[:, 1]
-    found = []
+    directions = []
     for t in tangents:
         y = _unit(y - (y @ t) * t)
-        found.append(y)
-    return np.array(found)
+        directions.append(y)
+    return np.array(directions)
 
 
 def _solid(cad: Any, part: _Part) -> Any:
@@ -253,15 +255,15 @@ def _solid(cad: Any, part: _Part) -> Any:
     solid = lofted([outline.outer for outline in part.outlines])
     if all(min(outline.inner) > 0 for outline in part.outlines):
         solid = solid.cut(lofted([outline.inner for outline in part.outlines]))
-    solid.label = clean(part.name)
+    solid.label = printable(part.name)
     return solid
 
 
 def _bars(cad: Any, line: Line, diameter: float) -> Iterator[Any]:
     """Round bars along the segments of a line."""
-    points = MILLIMETRES * _in_space(_few(line.points, extent_of(line.points)))
+    points = MILLIMETRES * _in_space(_few(line.points, point_extent(line.points)))
     for p, q in itertools.pairwise(points):
         plane = cad.Plane(tuple(p), z_dir=tuple(q - p))
         bar = cad.Solid.make_cylinder(MILLIMETRES * diameter / 2, float(np.linalg.norm(q - p)), plane)
-        bar.label = clean(line.element)
+        bar.label = printable(line.element)
         yield bar

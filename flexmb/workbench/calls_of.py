@@ -14,7 +14,7 @@ from ..build.properties import element_type
 from ..build.step import body_of_step
 from ..elements.element import Element
 from ..elements.general import General
-from ..errors import clean
+from ..errors import printable
 from .fields import ENDS_IN_WORDS, Call, calls
 
 # Entries of a symmetric matrix in the order of the Builder.
@@ -37,7 +37,7 @@ class Calls:
     def __init__(
         self,
         builder: Description,
-        made: Iterable[MadeCall] | None = None,
+        chosen_calls: Iterable[MadeCall] | None = None,
         name_of: Callable[[Any], str | None] = lambda record: None,
     ):
         """Convert some calls, or all; ``name_of(record)`` is the name of a section or material in the document."""
@@ -49,7 +49,7 @@ class Calls:
         # Values of an element so far, by call, element and set of loads.
         self._rows: dict[tuple, dict[int, Any]] = {}
         self._elements = {call.function: call for call in calls().values() if call.kind == "element"}
-        for call in builder.calls if made is None else made:
+        for call in builder.calls if chosen_calls is None else chosen_calls:
             bound = inspect.signature(getattr(builder, call.method)).bind(*call.positional, **call.keywords)
             (self._element if call.method == "add" else self._method)(call.method, dict(bound.arguments))
 
@@ -61,69 +61,71 @@ class Calls:
                 return texts[value]
             if isinstance(value, list):
                 return list(map(filled, value))
-            return {key: filled(one) for key, one in value.items()} if isinstance(value, dict) else value
+            return {key: filled(content) for key, content in value.items()} if isinstance(value, dict) else value
 
         return list(map(filled, self.things))
 
     def _add(self, call: str, args: dict[str, Any], name: Any = None) -> None:
-        thing: dict[str, Any] = {"call": call, "args": args}
-        self.things.append(thing if name is None else {**thing, "name": str(name)})
+        item: dict[str, Any] = {"call": call, "args": args}
+        self.things.append(item if name is None else {**item, "name": str(name)})
 
     def _number(self, value: Any) -> NumberPlace:
         self.numbers.append(value)
         return NumberPlace(len(self.numbers) - 1)
 
-    def _method(self, method: str, given: dict[str, Any]) -> None:
-        call, name = calls()[method], given.pop("name", None)
-        what = f"{method} of '{clean(next((given[key] for key in ('node', 'of', 'element') if key in given), name))}'"
-        if given.get("step") is not None:
-            step, material, at = (given.pop(key, None) for key in ("step", "material", "at"))
-            body = body_of_step(what, step, material, at, self.builder.dimension or 2)
-            given |= dict(zip(("mass", "center", "inertia"), body, strict=True))
+    def _method(self, method: str, args: dict[str, Any]) -> None:
+        call, name = calls()[method], args.pop("name", None)
+        subject = (
+            f"{method} of '{printable(next((args[key] for key in ('node', 'of', 'element') if key in args), name))}'"
+        )
+        if args.get("step") is not None:
+            step, material, at = (args.pop(key, None) for key in ("step", "material", "at"))
+            body = body_of_step(subject, step, material, at, self.builder.dimension or 2)
+            args |= dict(zip(("mass", "center", "inertia"), body, strict=True))
         if method in ("prestress", "strain"):
-            given["values"] = self._row(method, given)
-        self._add(method, self._arguments(what, call, given), name)
+            args["values"] = self._row(method, args)
+        self._add(method, self._arguments(subject, call, args), name)
 
-    def _row(self, method: str, given: dict[str, Any]) -> list[Any]:
+    def _row(self, method: str, args: dict[str, Any]) -> list[Any]:
         """Values of an element from its first deformation on, with the values of former calls."""
-        element = self.builder.members[str(given["element"])].element
-        named = {element.number_of(name) or 0: value for name, value in given.pop("named", {}).items()}
-        row = self._rows.setdefault((method, str(given["element"]), bool(given.get("increment"))), {})
-        row |= dict(enumerate(given.get("values", ()), 1)) | named
+        element = self.builder.members[str(args["element"])].element
+        named = {element.number_of(name) or 0: value for name, value in args.pop("named", {}).items()}
+        row = self._rows.setdefault((method, str(args["element"]), bool(args.get("increment"))), {})
+        row |= dict(enumerate(args.get("values", ()), 1)) | named
         return [row.get(number, 0.0) for number in range(1, max(row) + 1)]
 
-    def _element(self, _: str, given: dict[str, Any]) -> None:
-        element, name = element_type(given["element"]), given["name"]
+    def _element(self, _: str, arguments: dict[str, Any]) -> None:
+        element, name = element_type(arguments["element"]), arguments["name"]
         call = self._elements.get(element.usual)
         if call is None:
             self.left_out.append(
-                f"element '{clean(name)}': its type '{clean(element.name)}' is a user-defined function"
+                f"element '{printable(name)}': its type '{printable(element.name)}' is a user-defined function"
             )
             return
         member = self.builder.members[name]
         args: dict[str, Any] = {"nodes": shortest(element, [n for n in member.nodes if n != f"{name}.internal"])}
         options = {option: value for option, _, value in element.chosen}
-        values = options | given.get("properties", {}) | {"released": given.get("released")}
-        self._add(call.name, args | self._arguments(f"element '{clean(name)}'", call, values), name)
+        values = options | arguments.get("properties", {}) | {"released": arguments.get("released")}
+        self._add(call.name, args | self._arguments(f"element '{printable(name)}'", call, values), name)
 
-    def _arguments(self, what: str, call: Call, values: Mapping[str, Any]) -> dict[str, Any]:
+    def _arguments(self, subject: str, call: Call, values: Mapping[str, Any]) -> dict[str, Any]:
         """Arguments as contents of fields, without defaults."""
-        found: dict[str, Any] = {}
+        contents: dict[str, Any] = {}
         for name, value in values.items():
             field = call.fields.get(name)
             if value is None or _is_default(value, _default(call, name)):
                 continue
             if field is None:
-                self.left_out.append(f"{what}: {name} = {clean(value)}, for which there is no field")
-            elif (content := self._value(f"{what}: {name}", field, value)) not in (None, ""):
-                found[name] = content
-        return found
+                self.left_out.append(f"{subject}: {name} = {printable(value)}, for which there is no field")
+            elif (content := self._value(f"{subject}: {name}", field, value)) not in (None, ""):
+                contents[name] = content
+        return contents
 
-    def _value(self, what: str, field: dict[str, Any], value: Any) -> Any:
+    def _value(self, subject: str, field: dict[str, Any], value: Any) -> Any:
         """Content of a field; None, and reported, if no field can contain the value."""
         kind = field["kind"]
         if kind in ("section", "material", "damping"):
-            return self._record(what, kind, value)
+            return self._record(subject, kind, value)
         if kind == "weights":
             return [[str(part), self._number(factor)] for part, factor in value.items()]
         if kind in ("components", "deformations"):
@@ -142,16 +144,16 @@ class Calls:
             return str(value)
         if field["name"] == "inertia" and _depth(value) == 2:
             value = [value[i][j] for i, j in UPPER]
-        if field["name"] == "clamp" and len(value) == 2 and all(one is not None for one in value):
+        if field["name"] == "clamp" and len(value) == 2 and all(entry is not None for entry in value):
             value = [number for root in value for number in root]
-        if callable(value) or _depth(value) > 1 or (_depth(value) and any(one is None for one in value)):
-            self.left_out.append(f"{what} = {clean(value)}, which no field can contain")
+        if callable(value) or _depth(value) > 1 or (_depth(value) and any(entry is None for entry in value)):
+            self.left_out.append(f"{subject} = {printable(value)}, which no field can contain")
             return None
         if _depth(value):
             return [self._number(value[i]) for i in range(len(value))]
         return [self._number(value)] if kind == "vector" else self._number(value)
 
-    def _record(self, what: str, kind: str, value: Any) -> str | None:
+    def _record(self, subject: str, kind: str, value: Any) -> str | None:
         """Name of a section, material or damping, which becomes a thing first."""
         known = next((name for record, name in self._records if record is value), None) or self._name_of(value)
         if known:
@@ -160,15 +162,15 @@ class Calls:
         call = constant or calls().get(type(value).__name__)
         if call is None or (call.function is not type(value) and constant is None):
             why = "it varies along the element, by a function" if getattr(value, "varies", False) else "it is your own"
-            self.left_out.append(f"{what}: a document cannot contain this {type(value).__name__}, since {why}")
+            self.left_out.append(f"{subject}: a document cannot contain this {type(value).__name__}, since {why}")
             return None
         fields = {field.name: getattr(value, field.name) for field in dataclasses.fields(value)} if not constant else {}
         if isinstance(value, General):
             fields["stiffness"] = value.triangle()
-        args = self._arguments(what, call, fields)
-        prefix, taken = str(call.entry["name"] or kind), {name for _, name in self._records}
-        numbered = (f"{prefix} {number}" for number in range(2, len(taken) + 2))
-        name = next(one for one in (prefix, *numbered) if one not in taken)
+        args = self._arguments(subject, call, fields)
+        prefix, used_names = str(call.entry["name"] or kind), {name for _, name in self._records}
+        numbered = (f"{prefix} {number}" for number in range(2, len(used_names) + 2))
+        name = next(candidate for candidate in (prefix, *numbered) if candidate not in used_names)
         self._records.append((value, name))
         self._add(call.name, args, name)
         return name

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
-from ..errors import SpacarError, clean
+from ..errors import SpacarError, printable
 
 if TYPE_CHECKING:
     from .server import Server
@@ -32,11 +32,11 @@ def serve(
 
     def end(*_: object) -> None:
         # Further signals are ignored, since the end takes time.
-        for one in before:
-            signal.signal(one, signal.SIG_IGN)
+        for signal_number in before:
+            signal.signal(signal_number, signal.SIG_IGN)
         raise _EndedError
 
-    before = {one: signal.signal(one, end) for one in (signal.SIGINT, signal.SIGTERM)}
+    before = {signal_number: signal.signal(signal_number, end) for signal_number in (signal.SIGINT, signal.SIGTERM)}
     server = None
     try:
         server = _server(path, port, refuse)
@@ -52,8 +52,8 @@ def serve(
     finally:
         if server is not None:
             _close(server)
-        for one, handler in before.items():
-            signal.signal(one, handler)
+        for signal_number, handler in before.items():
+            signal.signal(signal_number, handler)
 
 
 def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> Server:
@@ -92,7 +92,7 @@ def _server(path: Path | None, port: int, refuse: Callable[[str], NoReturn]) -> 
 def _session(path: Path | None, refuse: Callable[[str], NoReturn]) -> Session:
     from .begin import TakenError, session_of_file, session_of_new
 
-    name = None if path is None else clean(path)
+    name = None if path is None else printable(path)
     try:
         return session_of_new() if path is None else session_of_file(path)
     except TakenError as fault:
@@ -100,7 +100,7 @@ def _session(path: Path | None, refuse: Callable[[str], NoReturn]) -> Session:
     except SpacarError as fault:
         refuse(str(fault))
     except OSError as fault:
-        refuse(f"flexmb edit: cannot read '{name or clean(fault.filename)}': {fault.strerror or fault}.")
+        refuse(f"flexmb edit: cannot read '{name or printable(fault.filename)}': {fault.strerror or fault}.")
     except ValueError as fault:
         named = path is not None and path.name in str(fault)
         refuse(f"flexmb edit: {fault}" if named else f"flexmb edit: {name}: {fault}")

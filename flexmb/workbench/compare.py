@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
-from ..errors import clean
+from ..errors import printable
 from .building import numbers_of
 from .document import Document
 from .references import call_of
@@ -32,8 +32,8 @@ def differences(pinned: Pinned, document: Document, answers: Mapping[str, Mappin
         "revision": pinned.revision,
         "names": list(_names(pinned.document, document, old, new)),
         "fields": list(_fields(pinned.document, document, old, new)),
-        "added": [_title(thing) for thing in document.things if thing["id"] not in pinned.document.by_id],
-        "removed": [_title(thing) for thing in pinned.document.things if thing["id"] not in document.by_id],
+        "added": [_title(item) for item in document.things if item["id"] not in pinned.document.by_id],
+        "removed": [_title(item) for item in pinned.document.things if item["id"] not in document.by_id],
         "answers": [_answer(key, pinned.answers.get(key), answers.get(key)) for key in {**pinned.answers, **answers}],
     }
 
@@ -46,23 +46,23 @@ def percent(before: Any, now: Any) -> float | None:
     return 100 * (now - before) / abs(before)
 
 
-def _names(before: Document, now: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
-    for name in {**before.names, **now.names}:
-        texts = [own.names.get(name, {}).get("value") for own in (before, now)]
+def _names(before: Document, present: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
+    for name in {**before.names, **present.names}:
+        texts = [version.names.get(name, {}).get("value") for version in (before, present)]
         address = f"names/{name}/value"
         if texts[0] != texts[1] or old.get(address) != new.get(address):
             yield _change(address, name, texts, old, new)
 
 
-def _fields(before: Document, now: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
+def _fields(before: Document, present: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
     """Fields with different texts, of things in both; a different value of a name counts there."""
-    for thing in now.things:
-        if thing["id"] in before.by_id:
-            texts, former = dict(_texts(thing)), dict(_texts(before.by_id[thing["id"]]))
+    for item in present.things:
+        if item["id"] in before.by_id:
+            texts, former = dict(_texts(item)), dict(_texts(before.by_id[item["id"]]))
             for path in {**former, **texts}:
                 if former.get(path) != texts.get(path):
-                    label = f"{_title(thing)}: {path.split('/')[0].replace('_', ' ')}"
-                    yield _change(f"{thing['id']}/{path}", label, [former.get(path), texts.get(path)], old, new)
+                    label = f"{_title(item)}: {path.split('/')[0].replace('_', ' ')}"
+                    yield _change(f"{item['id']}/{path}", label, [former.get(path), texts.get(path)], old, new)
 
 
 def _change(address: str, label: str, texts: list[Any], old: Mapping, new: Mapping) -> dict[str, Any]:
@@ -70,11 +70,11 @@ def _change(address: str, label: str, texts: list[Any], old: Mapping, new: Mappi
     return {"address": address, "label": label, "before": texts[0], "now": texts[1], "percent": change}
 
 
-def _texts(thing: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _texts(item: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Texts of a thing, with their places in it."""
-    if thing.get("name"):
-        yield "name", thing["name"]
-    waiting = list(reversed(thing["args"].items()))
+    if item.get("name"):
+        yield "name", item["name"]
+    waiting = list(reversed(item["args"].items()))
     while waiting:
         path, value = waiting.pop()
         if isinstance(value, str):
@@ -83,15 +83,15 @@ def _texts(thing: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
             waiting += [(f"{path}/{k}", entry) for k, entry in reversed(list(enumerate(value)))]
 
 
-def _title(thing: Mapping[str, Any]) -> str:
-    call = call_of(dict(thing))
-    return clean(thing.get("name") or (call.entry["title"] if call else thing["call"]))
+def _title(item: Mapping[str, Any]) -> str:
+    call = call_of(dict(item))
+    return printable(item.get("name") or (call.entry["title"] if call else item["call"]))
 
 
-def _answer(key: str, before: Mapping[str, Any] | None, now: Mapping[str, Any] | None) -> dict[str, Any]:
-    known = now or before or {}
-    values = [None if own is None else own.get("value") for own in (before, now)]
-    texts = [None if own is None else own.get("text") for own in (before, now)]
+def _answer(key: str, before: Mapping[str, Any] | None, present: Mapping[str, Any] | None) -> dict[str, Any]:
+    known = present or before or {}
+    values = [None if answer is None else answer.get("value") for answer in (before, present)]
+    texts = [None if answer is None else answer.get("text") for answer in (before, present)]
     return {
         "key": key,
         "label": known.get("label", key),

@@ -7,12 +7,12 @@ import functools
 import json
 from typing import Any, NamedTuple
 
-from ..arguments import shown
+from ..arguments import short_repr
 from .references import Names
 
 FORMAT = "flexmb workbench 1"
 # A page cannot draw and compute more things than this in time.
-MOST_THINGS = 20_000
+MOST_ITEMS = 20_000
 # Longest text of a field, in characters.
 LONGEST_TEXT = 20_000
 
@@ -71,25 +71,25 @@ class Document:
             EditError: The format or a part of the document is wrong.
         """
         if not isinstance(data, dict) or data.get("format") != FORMAT:
-            form = shown(data.get("format")) if isinstance(data, dict) else "none"
+            form = short_repr(data.get("format")) if isinstance(data, dict) else "none"
             raise EditError("", f"The document has the format {form}. The workbench reads '{FORMAT}'.")
         if data.get("dimension") not in (2, 3) or isinstance(data["dimension"], bool | float):
-            raise EditError("dimension", f"The dimension is {shown(data.get('dimension'))}. It must be 2 or 3.")
-        names, things = data.get("names", {}), data.get("things", [])
-        if not isinstance(names, dict) or not isinstance(things, list) or len(things) > MOST_THINGS:
-            raise EditError("", f"A document must have a dictionary of names and at most {MOST_THINGS} things.")
+            raise EditError("dimension", f"The dimension is {short_repr(data.get('dimension'))}. It must be 2 or 3.")
+        names, items = data.get("names", {}), data.get("things", [])
+        if not isinstance(names, dict) or not isinstance(items, list) or len(items) > MOST_ITEMS:
+            raise EditError("", f"A document must have a dictionary of names and at most {MOST_ITEMS} things.")
         content = {
             "format": FORMAT,
             "title": checked_text("title", data.get("title", "")),
             "dimension": data["dimension"],
             "names": {name: checked_name(name, entry) for name, entry in names.items()},
             "next": 1,
-            "things": [_checked_thing(k, thing) for k, thing in enumerate(things)],
+            "things": [_checked_item(k, item) for k, item in enumerate(items)],
         }
-        ids = [thing["id"] for thing in content["things"]]
+        ids = [item["id"] for item in content["things"]]
         if len(set(ids)) < len(ids):
             twice = next(id for id in ids if ids.count(id) > 1)
-            raise EditError(twice, f"Two things have the id {shown(twice)}. Each needs its own.")
+            raise EditError(twice, f"Two things have the id {short_repr(twice)}. Each needs its own.")
         following = data.get("next", 1)
         least = max((int(id) + 1 for id in ids if id.isascii() and id.isdecimal()), default=1)
         is_whole = isinstance(following, int) and not isinstance(following, bool)
@@ -124,7 +124,7 @@ class Document:
     @functools.cached_property
     def by_id(self) -> dict[str, dict[str, Any]]:
         """Things by their ids."""
-        return {thing["id"]: thing for thing in self.things}
+        return {item["id"]: item for item in self.things}
 
     @functools.cached_property
     def known(self) -> Names:
@@ -141,7 +141,7 @@ class Document:
             EditError: No thing has this id.
         """
         if not isinstance(id, str) or id not in self.by_id:
-            raise EditError("", f"There is no thing with the id {shown(id)}.")
+            raise EditError("", f"There is no thing with the id {short_repr(id)}.")
         return self.by_id[id]
 
     def with_things(self, things: list[dict[str, Any]], **more: Any) -> Document:
@@ -161,7 +161,7 @@ def checked_text(address: str, text: Any) -> str:
     if isinstance(text, int | float):
         return repr(text)
     if not isinstance(text, str):
-        raise EditError(address, f"{shown(text)} is no text. A field needs a text.")
+        raise EditError(address, f"{short_repr(text)} is no text. A field needs a text.")
     if len(text) > LONGEST_TEXT or "\0" in text:
         raise EditError(address, f"The text is too long. A field has at most {LONGEST_TEXT} characters.")
     return text
@@ -178,21 +178,21 @@ def checked_name(name: str, entry: Any) -> dict[str, str]:
     """Return the value and the bounds of a name that arithmetic can contain."""
     address = f"names/{name}"
     if not isinstance(name, str) or not name.isidentifier() or name == "pi" or len(name) > LONGEST_TEXT:
-        message = f"{shown(name)} is no name of a number. Use letters, digits and _, no digit first, and not pi."
+        message = f"{short_repr(name)} is no name of a number. Use letters, digits and _, no digit first, and not pi."
         raise EditError(address, message)
     if not isinstance(entry, dict) or "value" not in entry or set(entry) - {"value", "low", "high"}:
-        raise EditError(address, f"Name '{name}' is {shown(entry)}. It needs a value, and may have low and high.")
+        raise EditError(address, f"Name '{name}' is {short_repr(entry)}. It needs a value, and may have low and high.")
     return {key: checked_text(f"{address}/{key}", entry[key]) for key in ("value", "low", "high") if key in entry}
 
 
-def _checked_thing(k: int, thing: Any) -> dict[str, Any]:
-    if not isinstance(thing, dict) or not isinstance(thing.get("args", {}), dict):
-        raise EditError("", f"Thing {k + 1} of the document is {shown(thing)}. It needs a call and arguments.")
-    id, call, name = thing.get("id"), thing.get("call"), thing.get("name")
+def _checked_item(k: int, item: Any) -> dict[str, Any]:
+    if not isinstance(item, dict) or not isinstance(item.get("args", {}), dict):
+        raise EditError("", f"Thing {k + 1} of the document is {short_repr(item)}. It needs a call and arguments.")
+    id, call, name = item.get("id"), item.get("call"), item.get("name")
     if not isinstance(id, str) or not id or "/" in id:
-        raise EditError("", f"Thing {k + 1} of the document has the id {shown(id)}. It needs a text without '/'.")
+        raise EditError("", f"Thing {k + 1} of the document has the id {short_repr(id)}. It needs a text without '/'.")
     if not isinstance(call, str):
-        raise EditError(id, f"Thing {k + 1} of the document calls {shown(call)}. A call is a text.")
-    args = {str(key): checked_value(f"{id}/{key}", value) for key, value in thing.get("args", {}).items()}
+        raise EditError(id, f"Thing {k + 1} of the document calls {short_repr(call)}. A call is a text.")
+    args = {str(key): checked_value(f"{id}/{key}", value) for key, value in item.get("args", {}).items()}
     named = {} if name in (None, "") else {"name": checked_text(f"{id}/name", name)}
     return {"id": id, "call": call, **named, "args": args}

@@ -5,15 +5,15 @@ from collections.abc import Callable
 from typing import Any
 
 from ..arguments import as_whole
-from ..errors import clean
-from .building import build
+from ..errors import printable
+from .building import build_document
 from .calls_of import Calls
 from .content import Document, EditError, Report, checked_value
 from .edits import LETTERS, insert
 from .fields import calls
-from .formulas import text_of
+from .formulas import number_text
 from .references import Names, call_of, dependent, referred, renamed_part, replaced, stage_of, with_references
-from .values import between, plus, times
+from .values import plus, text_between, text_product
 
 # A drawing needs no more copies at once.
 MOST_COPIES = 1000
@@ -25,20 +25,22 @@ def copy(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     if not isinstance(by, list) or len(by) != document.dimension:
         raise EditError("", f"Give the displacement of copies as {document.dimension} numbers.")
     if count is None or not 1 <= count <= MOST_COPIES:
-        raise EditError("", f"The number of copies is {clean(op.get('count'))}. It must be from 1 to {MOST_COPIES}.")
+        raise EditError(
+            "", f"The number of copies is {printable(op.get('count'))}. It must be from 1 to {MOST_COPIES}."
+        )
     chosen, ids = selected(document, op["ids"]), []
     for k in range(1, count + 1):
-        distance = [times(str(k), text) for text in by]
+        distance = [text_product(str(k), text) for text in by]
 
         def shifted(position: list[str], distance: list[str] = distance) -> list[str]:
             return [plus(a, b) for a, b in zip(position, distance, strict=False)]
 
-        document, new = cloned(document, chosen, lambda thing, to=shifted: moved(thing, to))
+        document, new = cloned(document, chosen, lambda item, to=shifted: with_position(item, to))
         ids += new
     return document, Report(ids, [], "copy")
 
 
-def moved(thing: dict[str, Any], to: Callable[[list[str]], list[str]]) -> dict[str, Any]:
+def with_position(thing: dict[str, Any], to: Callable[[list[str]], list[str]]) -> dict[str, Any]:
     """A thing with another position, if it is a node, or a block with a place."""
     call = call_of(thing)
     key = "position" if thing["call"] == "node" else "at" if call is not None and call.kind == "block" else ""
@@ -57,17 +59,17 @@ def selected(document: Document, ids: Any) -> list[dict[str, Any]]:
             continue
         for address, other in referred(document.known, document.by_id[id]).items():
             if other is not None and address.partition("/")[0] in ("nodes", "base", "stage"):
-                of = call_of(document.by_id[other])
-                chosen |= {other} if of is not None and of.makes == "node" else set()
+                other_call = call_of(document.by_id[other])
+                chosen |= {other} if other_call is not None and other_call.makes == "node" else set()
     shared = ("section", "material", "damping")
-    found = []
-    for thing in document.things:
-        call = call_of(thing)
-        if thing["id"] in chosen and call is not None and call.makes not in shared and thing["call"] != "gravity":
-            found.append(thing)
-    if not found:
+    selection = []
+    for item in document.things:
+        call = call_of(item)
+        if item["id"] in chosen and call is not None and call.makes not in shared and item["call"] != "gravity":
+            selection.append(item)
+    if not selection:
         raise EditError("", "Sections, materials and gravity are shared. Select something else to copy.")
-    return found
+    return selection
 
 
 def cloned(
@@ -78,31 +80,31 @@ def cloned(
 ) -> tuple[Document, list[str]]:
     """A document with copies of things at its end, which refer to each other like their originals."""
     known, shared = document.known, shared or {}
-    taken = {space: set(names) for space, names in known.by_space.items()}
-    taken["node"] = taken.get("node", set()) | set(known.made)
+    used_names = {space: set(names) for space, names in known.by_space.items()}
+    used_names["node"] = used_names.get("node", set()) | set(known.made)
     pairs: dict[str, list[tuple[str, str]]] = {}
     for original, image in shared.items():
         pairs[original] = [(document.by_id[original]["name"], document.by_id[image]["name"])]
-    for thing in chosen:
-        call = call_of(thing)
-        if thing["id"] in shared or call is None:
+    for item in chosen:
+        call = call_of(item)
+        if item["id"] in shared or call is None:
             continue
-        names = pairs.setdefault(thing["id"], [])
-        if call.makes and thing.get("name"):
-            names.append((thing["name"], _next_name(thing["name"], taken.setdefault(call.makes, set()))))
-        stage = stage_of(thing)
-        if stage and known.made.get(stage) == thing["id"] and not known.exactly(("node",), stage):
-            names.append((stage, _next_name(stage, taken["node"])))
+        names = pairs.setdefault(item["id"], [])
+        if call.makes and item.get("name"):
+            names.append((item["name"], _next_name(item["name"], used_names.setdefault(call.makes, set()))))
+        stage = stage_of(item)
+        if stage and known.made.get(stage) == item["id"] and not known.exactly(("node",), stage):
+            names.append((stage, _next_name(stage, used_names["node"])))
     follows = following(pairs)
     new = []
-    for thing in chosen:
-        if thing["id"] in shared:
+    for item in chosen:
+        if item["id"] in shared:
             continue
         id = str(document.data["next"] + len(new))
-        named = {"name": dict(pairs[thing["id"]]).get(thing["name"], thing["name"])} if thing.get("name") else {}
-        args = with_references(changed(thing), known, follows)["args"]
-        new.append({"id": id, "call": thing["call"], **named, "args": args})
-    return insert(document, new), [thing["id"] for thing in new]
+        named = {"name": dict(pairs[item["id"]]).get(item["name"], item["name"])} if item.get("name") else {}
+        args = with_references(changed(item), known, follows)["args"]
+        new.append({"id": id, "call": item["call"], **named, "args": args})
+    return insert(document, new), [item["id"] for item in new]
 
 
 def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], str | None]:
@@ -117,17 +119,17 @@ def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], s
     return follows
 
 
-def _next_name(name: str, taken: set[str]) -> str:
+def _next_name(name: str, used_names: set[str]) -> str:
     """The next free letter or number after a name; it is taken from then on."""
-    if name in LETTERS and (free := [letter for letter in LETTERS if letter not in taken]):
-        found = next((letter for letter in free if letter > name), free[0])
+    if name in LETTERS and (free := [letter for letter in LETTERS if letter not in used_names]):
+        successor = next((letter for letter in free if letter > name), free[0])
     else:
         start, digits = re.fullmatch(r"(.*?)(\d{0,9})", name, re.DOTALL).groups()  # pyright: ignore
         start, number = (start, int(digits)) if digits else (f"{name} ", 1)
-        while (found := f"{start}{number + 1}") in taken:
+        while (successor := f"{start}{number + 1}") in used_names:
             number += 1
-    taken.add(found)
-    return found
+    used_names.add(successor)
+    return successor
 
 
 def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
@@ -136,125 +138,129 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     first, into = (_node(document, op[key]) for key in ("from", "into"))
     id = known.thing(("node",), first)
     if first == into:
-        raise EditError("", f"Node '{clean(first)}' cannot be joined to itself.")
+        raise EditError("", f"Node '{printable(first)}' cannot be joined to itself.")
     made_by_block = id is not None and call_of(document.by_id[id]).makes != "node"  # pyright: ignore
-    things = []
-    for thing in document.things:
-        if thing["id"] == id and not made_by_block:
+    items = []
+    for item in document.things:
+        if item["id"] == id and not made_by_block:
             continue
-        things.append(
-            with_references(thing, known, lambda of, name: renamed_part(name, first, into) if of == id else None)
+        items.append(
+            with_references(
+                item, known, lambda item_id, name: renamed_part(name, first, into) if item_id == id else None
+            )
         )
     lost = set()
-    for before, after in zip([t for t in document.things if made_by_block or t["id"] != id], things, strict=True):
+    for before, after in zip([t for t in document.things if made_by_block or t["id"] != id], items, strict=True):
         call = call_of(after)
-        ends = [name for key in ("nodes", "base", "stage") for name in _texts_of(after["args"].get(key))]
+        ends = [name for key in ("nodes", "base", "stage") for name in _nonempty_texts(after["args"].get(key))]
         twice = call is not None and call.kind in ("element", "block") and len(set(ends)) < len(ends)
-        if after is not before and (twice or _is_repeated(after, things)):
+        if after is not before and (twice or _is_repeated(after, items)):
             lost.add(after["id"])
-    lost.update(dependent(Names(things), things, lost))
-    also = [thing["id"] for thing in things if thing["id"] in lost]
-    kept = [thing for thing in things if thing["id"] not in lost]
-    return document.with_things(kept), Report([], also, f"join {first} into {into}")
+    lost.update(dependent(Names(items), items, lost))
+    also = [item["id"] for item in items if item["id"] in lost]
+    remaining = [item for item in items if item["id"] not in lost]
+    return document.with_things(remaining), Report([], also, f"join {first} into {into}")
 
 
-def _texts_of(value: Any) -> list[str]:
+def _nonempty_texts(value: Any) -> list[str]:
     return [text for text in (value if isinstance(value, list) else [value]) if text and isinstance(text, str)]
 
 
-def _is_repeated(thing: dict[str, Any], things: list[dict[str, Any]]) -> bool:
+def _is_repeated(item: dict[str, Any], items: list[dict[str, Any]]) -> bool:
     """Whether another thing makes the same call, which may be made only once."""
-    same = [other for other in things if (other["call"], other["args"]) == (thing["call"], thing["args"])]
-    return thing["call"] in ("dof", "fix") and len(same) > 1
+    same = [other for other in items if (other["call"], other["args"]) == (item["call"], item["args"])]
+    return item["call"] in ("dof", "fix") and len(same) > 1
 
 
-def _node(document: Document, given: Any) -> str:
+def _node(document: Document, reference: Any) -> str:
     """Name of a node, from its name or its id."""
-    if isinstance(given, str) and document.known.thing(("node",), given):
-        return given
-    thing = document.by_id.get(given) if isinstance(given, str) else None
-    if thing is not None and thing["call"] in ("node", "rotation", "warping"):
-        return thing["name"]
-    raise EditError("", f"There is no node '{clean(given)}'.")
+    if isinstance(reference, str) and document.known.thing(("node",), reference):
+        return reference
+    item = document.by_id.get(reference) if isinstance(reference, str) else None
+    if item is not None and item["call"] in ("node", "rotation", "warping"):
+        return item["name"]
+    raise EditError("", f"There is no node '{printable(reference)}'.")
 
 
-def split(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
+def split_element(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     """``{"op": "split", "element", "at": "0.5"}``: an element becomes two, with a node between them."""
-    thing = _element(document, op["element"])
-    id, name = thing["id"], clean(thing["name"])
+    item = _element(document, op["element"])
+    id, name = item["id"], printable(item["name"])
     place = checked_value("", op.get("at", "0.5"))
-    nodes = thing["args"].get("nodes")
+    nodes = item["args"].get("nodes")
     positions = {n: t["args"].get("position") for t in document.things if t["call"] == "node" and (n := t.get("name"))}
     if not isinstance(nodes, list) or len(nodes) != 2 or any(node not in positions for node in nodes):
         raise EditError(f"{id}/nodes", f"'{name}' cannot be split: its ends are not two drawn nodes.")
-    if "curvature" in thing["args"]:
+    if "curvature" in item["args"]:
         raise EditError(f"{id}/curvature", f"'{name}' cannot be split: it is an arc.")
-    if at := next((key for key in ("skew", "clamp") if key in thing["args"]), None):
+    if at := next((key for key in ("skew", "clamp") if key in item["args"]), None):
         raise EditError(f"{id}/{at}", f"'{name}' cannot be split: its ends are cut at an angle or elastic.")
-    record = build(document).records.get(document.known.thing(("section",), thing["args"].get("section", "")) or "")
+    record = build_document(document).records.get(
+        document.known.thing(("section",), item["args"].get("section", "")) or ""
+    )
     if record is not None and record.varies:
         raise EditError(f"{id}/section", f"'{name}' cannot be split: its section varies along it.")
     about = [other for other in document.things if id in referred(document.known, other).values()]
     for other in about:
         # Deformations of the whole have no counterpart in the halves.
         if other["call"] not in ("temperature", "release"):
-            message = f"'{name}' cannot be split: '{clean(other['call'])}' belongs to the whole. Delete it first."
+            message = f"'{name}' cannot be split: '{printable(other['call'])}' belongs to the whole. Delete it first."
             raise EditError(other["id"], message)
     number = document.data["next"]
-    taken = {space: set(names) for space, names in document.known.by_space.items()}
-    middle = _next_name(nodes[0], taken.get("node", set()) | set(document.known.made))
-    second = _next_name(thing["name"], taken.get("element", set()))
+    used_names = {space: set(names) for space, names in document.known.by_space.items()}
+    middle = _next_name(nodes[0], used_names.get("node", set()) | set(document.known.made))
+    second = _next_name(item["name"], used_names.get("element", set()))
     ends = [positions[node] or [] for node in nodes]
-    at = [between(a, b, place) for a, b in zip(*ends, strict=False)]
+    at = [text_between(a, b, place) for a, b in zip(*ends, strict=False)]
     new = [
         {"id": str(number), "call": "node", "name": middle, "args": {"position": at}},
-        {**thing, "args": {**thing["args"], "nodes": [nodes[0], middle]}},
-        {**thing, "id": str(number + 1), "name": second, "args": {**thing["args"], "nodes": [middle, nodes[1]]}},
+        {**item, "args": {**item["args"], "nodes": [nodes[0], middle]}},
+        {**item, "id": str(number + 1), "name": second, "args": {**item["args"], "nodes": [middle, nodes[1]]}},
     ]
-    things: list[dict[str, Any]] = []
+    items: list[dict[str, Any]] = []
     ids = [str(number), str(number + 1)]
     for other in document.things:
-        if other is thing:
-            things += new
+        if other is item:
+            items += new
         elif other not in about:
-            things.append(other)
+            items.append(other)
         else:
-            first, last = _of_halves(other, place)
-            things += [first, {**last, "id": str(number + len(ids)), "args": {**last["args"], "element": second}}]
+            first, last = _halved(other, place)
+            items += [first, {**last, "id": str(number + len(ids)), "args": {**last["args"], "element": second}}]
             ids.append(str(number + len(ids)))
-    return document.with_things(things, next=number + len(ids)), Report(ids, [], f"split {thing['name']}")
+    return document.with_things(items, next=number + len(ids)), Report(ids, [], f"split {item['name']}")
 
 
-def _of_halves(thing: dict[str, Any], place: str) -> tuple[dict[str, Any], dict[str, Any]]:
+def _halved(item: dict[str, Any], place: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """A thing about an element as two things about its halves, with their parts of a varying temperature."""
-    change = thing["args"].get("change")
+    change = item["args"].get("change")
     if not isinstance(change, list) or len(change) != 2:
-        return thing, thing
-    middle = between(change[0], change[1], place)
+        return item, item
+    middle = text_between(change[0], change[1], place)
     first, last = ([change[0], middle], [middle, change[1]])
-    return tuple({**thing, "args": replaced(thing["args"], ["change"], half)} for half in (first, last))  # pyright: ignore
+    return tuple({**item, "args": replaced(item["args"], ["change"], half)} for half in (first, last))  # pyright: ignore
 
 
-def _element(document: Document, given: Any) -> dict[str, Any]:
+def _element(document: Document, reference: Any) -> dict[str, Any]:
     """The element with an id or a name."""
-    thing = document.by_id.get(given) if isinstance(given, str) else None
-    if thing is None and isinstance(given, str):
-        thing = document.by_id.get(document.known.by_space.get("element", {}).get(given, ""))
-    if thing is None or (call := call_of(thing)) is None or call.kind != "element":
-        raise EditError("", f"There is no element '{clean(given)}'.")
-    return thing
+    item = document.by_id.get(reference) if isinstance(reference, str) else None
+    if item is None and isinstance(reference, str):
+        item = document.by_id.get(document.known.by_space.get("element", {}).get(reference, ""))
+    if item is None or (call := call_of(item)) is None or call.kind != "element":
+        raise EditError("", f"There is no element '{printable(reference)}'.")
+    return item
 
 
 def explode(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     """``{"op": "explode", "id"}``: nodes and elements of a block become things, with the same names."""
-    thing = document.thing(op["id"])
-    call, id = call_of(thing), thing["id"]
+    item = document.thing(op["id"])
+    call, id = call_of(item), item["id"]
     if call is None or call.kind != "block":
-        raise EditError(id, f"'{clean(thing.get('name', thing['call']))}' is no building block.")
-    built = build(document)
+        raise EditError(id, f"'{printable(item.get('name', item['call']))}' is no building block.")
+    built = build_document(document)
     if id not in built.made:
         why = next((p["message"] for p in built.problems if p["address"].startswith(f"{id}/")), "it cannot be built.")
-        raise EditError(id, f"Block '{clean(thing['name'])}' cannot be taken apart: {why}")
+        raise EditError(id, f"Block '{printable(item['name'])}' cannot be taken apart: {why}")
     records = [(record, document.by_id[record_id]["name"]) for record_id, record in built.records.items()]
     sections: list[dict[str, Any]] = []
 
@@ -262,20 +268,20 @@ def explode(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         """Name of a section in the document, or of the section that the block makes of its arguments."""
         known = next((name for other, name in records if other is record), None)
         if known is None and not sections:
-            sections.append(_section(document, thing))
+            sections.append(_section(document, item))
         return known or sections[0]["name"]
 
     parts = Calls(built.builder, built.made[id], name_of)
-    new = [*sections, *parts.filled(list(map(text_of, parts.numbers)))]
+    new = [*sections, *parts.filled(list(map(number_text, parts.numbers)))]
     for part in new[len(sections) :]:
         space = "node" if part["call"] == "node" else "element"
         if part["name"] in document.known.by_space.get(space, {}):
-            raise EditError(id, f"There is {space} '{clean(part['name'])}' already. Rename it first.")
-    first, place = document.data["next"], document.things.index(thing)
+            raise EditError(id, f"There is {space} '{printable(part['name'])}' already. Rename it first.")
+    first, place = document.data["next"], document.things.index(item)
     new = [{"id": str(first + k), **part} for k, part in enumerate(new)]
-    things = [*document.things[:place], *new, *document.things[place + 1 :]]
-    return document.with_things(things, next=first + len(new)), Report(
-        [part["id"] for part in new], [], f"explode {thing['name']}"
+    items = [*document.things[:place], *new, *document.things[place + 1 :]]
+    return document.with_things(items, next=first + len(new)), Report(
+        [part["id"] for part in new], [], f"explode {item['name']}"
     )
 
 
@@ -292,4 +298,4 @@ def _section(document: Document, block: dict[str, Any]) -> dict[str, Any]:
     return {"call": call, "name": document.known.unused("section", name), "args": args}
 
 
-OPERATIONS = {"copy": copy, "join": join, "split": split, "explode": explode}
+OPERATIONS = {"copy": copy, "join": join, "split": split_element, "explode": explode}

@@ -57,7 +57,11 @@ class Count:
 
     def message_data(self) -> dict[str, Any]:
         """Contents of a message to pages; shares belong to the elements in each state of self-stress."""
-        shares = [] if self.mobility is None else [dict(own) for own in self.mobility.states().shares or ()]
+        shares = (
+            []
+            if self.mobility is None
+            else [dict(state_shares) for state_shares in self.mobility.states().shares or ()]
+        )
         return {
             **self.numbers,
             "over": self.over,
@@ -79,12 +83,12 @@ def quick_numbers(builder: Builder) -> dict[str, int]:
             pass
     nx = nxo = 0
     for node in builder.nodes.values():
-        held = sum(role in HELD for role in node.roles)
+        n_constrained = sum(role in HELD for role in node.roles)
         nx += node.kind.freedoms
-        nxo += min(held, node.kind.freedoms)
-    shown = [member for member in builder.members.values() if not member.hidden]
-    ne = sum(len(member.roles) for member in shown)
-    neo = sum(role in HELD for member in shown for role in member.roles)
+        nxo += min(n_constrained, node.kind.freedoms)
+    visible = [member for member in builder.members.values() if not member.hidden]
+    ne = sum(len(member.roles) for member in visible)
+    neo = sum(role in HELD for member in visible for role in member.roles)
     return {"nx": nx, "ne": ne, "nxo": nxo, "neo": neo, "ndof": nx - nxo - neo}
 
 
@@ -94,17 +98,17 @@ def count(builder: Builder) -> Count:
     if not builder.nodes:
         return Count("empty", "Nothing is drawn yet. Add a node.", quick_numbers(builder))
     if not any(not member.hidden for member in builder.members.values()):
-        there = counted(sum(len(part.nodes) for part in parts), "node")
-        message = f"{there}, and no element between them. Add an element between two nodes."
+        nodes_text = counted(sum(len(part.nodes) for part in parts), "node")
+        message = f"{nodes_text}, and no element between them. Add an element between two nodes."
         return Count("empty", message, quick_numbers(builder), parts=parts)
-    with heard() as said:
+    with heard() as warnings:
         try:
             model = builder.build()
         except MechanismError as fault:
             return _invalid(builder, fault, parts)
         except ModelError as fault:
             return Count("failed", str(fault), quick_numbers(builder), parts=parts, drawn=_unchecked(builder))
-    numbers, faults = model.counts(), _of_loose(parts)
+    numbers, faults = model.counts(), _loose_sentences(parts)
     named = tuple(model.q_labels)
     exact = f"{counted(len(named), 'degree')} of freedom, and no over-constraint."
     return Count(
@@ -117,7 +121,7 @@ def count(builder: Builder) -> Count:
         model=model,
         drawn=model,
         parts=parts,
-        warnings=tuple(dict.fromkeys(said)),
+        warnings=tuple(dict.fromkeys(warnings)),
     )
 
 
@@ -132,58 +136,71 @@ def _unchecked(builder: Builder) -> Model | None:
 def _invalid(builder: Builder, fault: MechanismError, parts: tuple[Part, ...]) -> Count:
     """Count of a mechanism that is over- or under-constrained, or whose degrees of freedom do not fit."""
     model = builder.build(check=False)
-    found = mobility(model)
-    faults = _of_loose(parts)
-    if found.overconstraints:
-        stressed = dict.fromkeys(share.of for i in range(found.overconstraints) for share in found.stresses(i))
-        states = counted(found.overconstraints, "state")
-        faults.append(f"Over-constrained: {states} of self-stress in {_listed(list(stressed))}. {_release_of(found)}")
-    if fault.code != "overconstrained" or not found.overconstraints:
+    model_mobility = mobility(model)
+    faults = _loose_sentences(parts)
+    if model_mobility.overconstraints:
+        stressed = dict.fromkeys(
+            share.of for i in range(model_mobility.overconstraints) for share in model_mobility.stresses(i)
+        )
+        states = counted(model_mobility.overconstraints, "state")
+        faults.append(
+            f"Over-constrained: {states} of self-stress in {_listed(list(stressed))}."
+            f" {_release_sentence(model_mobility)}"
+        )
+    if fault.code != "overconstrained" or not model_mobility.overconstraints:
         faults.append(first_line(fault))
     # Without named degrees of freedom the Builder finds them: no motion is left undetermined.
-    under = found.underconstraints if builder.dofs else 0
-    over = found.overconstraints
+    under = model_mobility.underconstraints if builder.dofs else 0
+    over = model_mobility.overconstraints
     status = "both" if over and under else "overconstrained" if over else "underconstrained" if under else fault.code
     named = tuple(model.q_labels)
-    return Count(status, " ".join(faults), model.counts(), over, under, named, drawn=model, mobility=found, parts=parts)
+    return Count(
+        status, " ".join(faults), model.counts(), over, under, named, drawn=model, mobility=model_mobility, parts=parts
+    )
 
 
-def _release_of(found: Mobility) -> str:
+def _release_sentence(model_mobility: Mobility) -> str:
     """Sentence on deformations and supports to release."""
-    releases = [own[0].words for own in found.candidates if own]
+    releases = [state_candidates[0].words for state_candidates in model_mobility.candidates if state_candidates]
     if not releases:
         return "Only rigid elements take part. Replace one by a flexible or a pinned one."
-    left = len(found.release) - len(releases)
-    more = f" {counted(left, 'state')} more involve only rigid elements." if left else ""
+    n_rigid_only = len(model_mobility.release) - len(releases)
+    more = f" {counted(n_rigid_only, 'state')} more involve only rigid elements." if n_rigid_only else ""
     return f"Release {', and '.join(releases)}.{more}"
 
 
-def _of_loose(parts: Iterable[Part]) -> list[str]:
+def _loose_sentences(parts: Iterable[Part]) -> list[str]:
     """Sentences about nodes that nothing joins, and about parts that float."""
     parts = list(parts)
     alone = [part.nodes[0] for part in parts if part.nodes and not part.elements]
     floating = [part for part in parts if part.elements and not part.held]
-    found = []
+    sentences = []
     if alone:
         are, them = ("are", "them") if len(alone) > 1 else ("is", "it")
-        found.append(f"{_listed(alone, 'node')} {are} joined to nothing: join {them} by an element, or delete {them}.")
+        sentences.append(
+            f"{_listed(alone, 'node')} {are} joined to nothing: join {them} by an element, or delete {them}."
+        )
     if floating and len(floating) == sum(bool(part.elements) for part in parts):
-        found.append("Nothing is fixed: the mechanism floats. Fix a node.")
+        sentences.append("Nothing is fixed: the mechanism floats. Fix a node.")
     elif floating:
         names = [name for part in floating for name in part.elements]
         float_, them = ("float", "them") if len(names) > 1 else ("floats", "it")
-        found.append(f"{_listed(names, 'element')} {float_}: nothing joins {them} to a support.")
-    return found
+        sentences.append(f"{_listed(names, 'element')} {float_}: nothing joins {them} to a support.")
+    return sentences
 
 
-def _listed(names: list[str], what: str = "") -> str:
+def _listed(names: list[str], kind: str = "") -> str:
     """The first names, in words."""
-    shown = [f"'{name}'" for name in names[:LISTED]]
+    quoted_names = [f"'{name}'" for name in names[:LISTED]]
     more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    several = ", ".join(shown) + more if more or len(shown) < 2 else f"{', '.join(shown[:-1])} and {shown[-1]}"
-    if not what:
+    several = (
+        ", ".join(quoted_names) + more
+        if more or len(quoted_names) < 2
+        else f"{', '.join(quoted_names[:-1])} and {quoted_names[-1]}"
+    )
+    if not kind:
         return several
-    return f"{what.capitalize()}{'s' if len(names) > 1 else ''} {several}"
+    return f"{kind.capitalize()}{'s' if len(names) > 1 else ''} {several}"
 
 
 def _parts(builder: Builder) -> list[Part]:
@@ -196,8 +213,8 @@ def _parts(builder: Builder) -> list[Part]:
             name = leader[name]
         return name
 
-    def join(one: str, other: str) -> None:
-        a, b = first(one), first(other)
+    def join(node_name: str, other: str) -> None:
+        a, b = first(node_name), first(other)
         if a != b:
             leader[b] = a
 
@@ -208,13 +225,13 @@ def _parts(builder: Builder) -> list[Part]:
     for member in builder.members.values():
         for node in member.nodes[1:]:
             join(member.nodes[0], node)
-    nodes, elements, held = ({name: [] for name in map(first, builder.nodes)} for _ in range(3))
+    nodes, elements, constrained = ({name: [] for name in map(first, builder.nodes)} for _ in range(3))
     for name, node in builder.nodes.items():
         if node.kind.part == "position":
             nodes[first(name)].append(name)
         is_place = node.kind.part in ("position", "rotation")
-        held[first(name)].append(is_place and any(role in HELD for role in node.roles))
+        constrained[first(name)].append(is_place and any(role in HELD for role in node.roles))
     for name, member in builder.members.items():
         if not member.hidden and member.nodes:
             elements[first(member.nodes[0])].append(name)
-    return [Part(tuple(nodes[name]), tuple(elements[name]), any(held[name])) for name in nodes]
+    return [Part(tuple(nodes[name]), tuple(elements[name]), any(constrained[name])) for name in nodes]

@@ -12,23 +12,23 @@ from typing import Any
 from ..build.builder import Builder
 from ..build.description import Description, NamedSignal
 from ..display import listed
-from ..errors import ModelError, SpacarError, clean
+from ..errors import ModelError, SpacarError, printable
 from ..files import write_whole
 from ..spacar.arithmetic import names_in
 from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
-from ..spacar.write import lines_of, told_in_no_element
-from ..spacar.written import WrittenLine, text_of
-from .building import build, free_names, numbers_of
+from ..spacar.write import lines_of, no_element_message
+from ..spacar.written import WrittenLine, line_text
+from .building import build_document, free_names, numbers_of
 from .document import Document, apply
 from .formulas import formulas
 from .from_builder import document_of
-from .references import call_of, called
+from .references import call_and_name, call_of
 from .study_beside import names_beside, write_beside
 
 # Keywords of analyses that name no node or element: they stay when a file is saved again.
-KEPT = ("TIMESTEP", "ERROR", "ITERSTEP")
+ANALYSIS_KEYWORDS = ("TIMESTEP", "ERROR", "ITERSTEP")
 # Numbers of a leaf spring's material that a file contains.
 PLAIN_MATERIAL = {"E", "G", "rho", "alpha"}
 # Number of faults reported at once.
@@ -39,11 +39,11 @@ class NoValueError(ValueError):
     """Names in the braces of a file have no values."""
 
     def __init__(self, file: str, names: list[str]):
-        shown, study = ", ".join(map(clean, names)), clean(Path(file).with_suffix(".toml").name)
+        names_text, study = ", ".join(map(printable, names)), printable(Path(file).with_suffix(".toml").name)
         they = "they are" if names[1:] else "it is"
         super().__init__(
-            f"{file} has {{{shown}}}, but no study beside it says which number {they}. Write {study} with the"
-            f" lines model = '{file}', [parameters] and {clean(names[0])} = 1e-3 or the like."
+            f"{file} has {{{names_text}}}, but no study beside it says which number {they}. Write {study} with the"
+            f" lines model = '{file}', [parameters] and {printable(names[0])} = 1e-3 or the like."
         )
         self.names = names
 
@@ -66,59 +66,64 @@ def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) 
     names = [*(name for name in beside if name in names), *(name for name in names if name not in beside)]
     known: dict[str, Any] = {**beside, **(numbers or {})}
     if missing := [name for name in names if name not in known]:
-        raise NoValueError(clean(path.name), missing)
+        raise NoValueError(printable(path.name), missing)
     several = {n: v if isinstance(v := known[n], tuple | list) else (v,) for n in names}
     values = {n: tuple(map(float, v)) if len(v) == 3 else float(v[0]) for n, v in several.items()}
     warnings: list[str] = []
 
-    def read(**given: Any) -> SpacarModel:
+    def read(**placeholder_values: Any) -> SpacarModel:
         # The reader names the file in messages. It would take text of one line for a path.
-        found = read_spacar(path, numbers=given)
-        if found.text != text:
-            raise SpacarError(f"{clean(path.name)}:1: the file changed while it was read. Open it again.")
-        warnings[:] = found.warnings
-        return found
+        spacar_model = read_spacar(path, numbers=placeholder_values)
+        if spacar_model.text != text:
+            raise SpacarError(f"{printable(path.name)}:1: the file changed while it was read. Open it again.")
+        warnings[:] = spacar_model.warnings
+        return spacar_model
 
     title = path.stem if path.stem.isprintable() else "mechanism"
     document, left_out = document_of(read, values, title=title) if names else document_of(read(), title=title)
     unused = [name for name in beside if name not in values]
-    notes += [f"'{clean(name)}' of the study does not occur in {clean(path.name)}" for name in unused]
+    notes += [f"'{printable(name)}' of the study does not occur in {printable(path.name)}" for name in unused]
     notes += [text for text in warnings if "drawing keywords are kept" not in text]
     return document, [*notes, *left_out]
 
 
 def cannot_hold(document: Document) -> list[str]:
     """What a SPACAR input file cannot contain, and what it contains in another form."""
-    return [*incomplete(document), *refused(document), *changed(document)]
+    return [*incomplete(document), *not_expressible(document), *other_forms(document)]
 
 
 def incomplete(document: Document) -> list[str]:
     """Things with problems, which neither answers nor files contain."""
-    return [f"{clean(called(document.by_id, p['address']))}: {p['message']}" for p in build(document).problems]
+    return [
+        f"{printable(call_and_name(document.by_id, p['address']))}: {p['message']}"
+        for p in build_document(document).problems
+    ]
 
 
-def refused(document: Document) -> list[str]:
+def not_expressible(document: Document) -> list[str]:
     """What a SPACAR input file cannot express; without it there would be another mechanism."""
-    found: list[str] = []
+    refusals: list[str] = []
     # Nodes that elements joined before anything was removed.
     joined: set[str] = set()
     # Remove one fault after the other, to report all at once.
     for _ in range(MOST_FAULTS):
         try:
-            joined = joined or {n for m in build(document).builder.members.values() if not m.hidden for n in m.nodes}
-            lines_of(_without_strength(build(document).builder), {})
+            joined = joined or {
+                n for m in build_document(document).builder.members.values() if not m.hidden for n in m.nodes
+            }
+            lines_of(_without_strength(build_document(document).builder), {})
         except ModelError as fault:
-            if found and not build(document).builder.members:
+            if refusals and not build_document(document).builder.members:
                 break
-            if str(fault) not in map(told_in_no_element, joined):
-                found.append(str(fault).removesuffix("."))
+            if str(fault) not in map(no_element_message, joined):
+                refusals.append(str(fault).removesuffix("."))
             culprit = _culprit(document, str(fault))
             if culprit is None:
                 break
             document = apply(document, [{"op": "delete", "ids": [culprit]}])[0]
             continue
         break
-    return list(dict.fromkeys(found))
+    return list(dict.fromkeys(refusals))
 
 
 def _without_strength(builder: Builder) -> Builder:
@@ -138,38 +143,38 @@ def _culprit(document: Document, message: str) -> str | None:
     """Id of the thing that a message is about: by a name in it, by a load on that node, or by its first word."""
     for name in re.findall(r"'([^']+)'", message):
         loads = [t for t in document.things if t["call"] in ("body", "force", "moment", "mass")]
-        on_it = [thing["id"] for thing in loads if thing["args"].get("node") == name]
+        on_it = [item["id"] for item in loads if item["args"].get("node") == name]
         known = [document.known.thing((space,), name) for space in ("element", "input", "output")]
-        if found := next((id for id in [*known, *on_it, document.known.thing(("node",), name)] if id), None):
-            return found
-    about = [thing["id"] for thing in document.things if message.lower().startswith(thing["call"])]
+        if culprit_id := next((id for id in [*known, *on_it, document.known.thing(("node",), name)] if id), None):
+            return culprit_id
+    about = [item["id"] for item in document.things if message.lower().startswith(item["call"])]
     return about[-1] if about else None
 
 
-def changed(document: Document) -> list[str]:
+def other_forms(document: Document) -> list[str]:
     """What a SPACAR input file contains in another form, which builds the same."""
-    found, free = [], set(free_names(document))
+    changes, free = [], set(free_names(document))
     if derived := [name for name in document.names if name not in free]:
         names = ", ".join(derived)
-        found.append(f"names that follow from others, {names}: their arithmetic is written where they are used")
+        changes.append(f"names that follow from others, {names}: their arithmetic is written where they are used")
     if shapes := _named(document, "section", _is_other_section):
-        found.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION")
-    if materials := _named(document, "material", lambda thing, _: not set(thing["args"]) <= PLAIN_MATERIAL):
-        found.append(f"material {materials}: as numbers of the elements, without its strength, fatigue and damping")
+        changes.append(f"section {shapes}: as rigidities (ESTIFF, EM) and sizes (CROSSDIM), of leaf springs as SECTION")
+    if materials := _named(document, "material", lambda item, _: not set(item["args"]) <= PLAIN_MATERIAL):
+        changes.append(f"material {materials}: as numbers of the elements, without its strength, fatigue and damping")
     if blocks := _named(document, "block", lambda *_: True):
-        found.append(f"block {blocks}: as its nodes and elements")
+        changes.append(f"block {blocks}: as its nodes and elements")
     try:
         _, lost = _texts(document)
     except ModelError:
         lost = []
-    return found + lost
+    return changes + lost
 
 
 def _named(document: Document, kind: str, counts: Callable[[dict[str, Any], Document], bool]) -> str:
     """Names of the things of a kind that count."""
-    known = [(thing, call_of(thing)) for thing in document.things]
-    found = [t for t, call in known if call is not None and call.makes == kind and counts(t, document)]
-    return ", ".join(clean(str(thing.get("name"))) for thing in found)
+    known = [(item, call_of(item)) for item in document.things]
+    matching = [t for t, call in known if call is not None and call.makes == kind and counts(t, document)]
+    return ", ".join(printable(str(item.get("name"))) for item in matching)
 
 
 def _is_other_section(section: dict[str, Any], document: Document) -> bool:
@@ -179,7 +184,7 @@ def _is_other_section(section: dict[str, Any], document: Document) -> bool:
     leaf = ("planar.leaf_spring", "spatial.leaf_spring")
     name = section.get("name")
     users = [t for t in document.things if name in (t["args"].get(key) for key in ("section", "outline"))]
-    return any(thing["call"] not in (*leaf, "Rigidity") for thing in users) or not users
+    return any(item["call"] not in (*leaf, "Rigidity") for item in users) or not users
 
 
 def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
@@ -188,10 +193,10 @@ def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
     Lines of an analysis such as TIMESTEP stay in an existing file; an existing study keeps all but [parameters].
     """
     path = Path(path)
-    if problems := refused(document):
+    if problems := not_expressible(document):
         faults = "; ".join(problems)
         raise ModelError(f"A SPACAR input file cannot contain this: {faults}. Save Python or the document instead.")
-    settings, notes = _kept(path)
+    settings, notes = _analysis_lines(path)
     lines, _ = _texts(document, settings)
     study = write_beside(document, path)
     write_whole(path, ("\n".join(lines) + "\n").encode())
@@ -200,44 +205,50 @@ def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
     return notes
 
 
-def _kept(path: Path) -> tuple[dict[str, Any], list[str]]:
+def _analysis_lines(path: Path) -> tuple[dict[str, Any], list[str]]:
     """Lines of an analysis in an existing file that stay, and a note about the others."""
     try:
         text = read_text(path)
         names = placeholders(statements(text, {}))
-        found = read_spacar(path, numbers=dict.fromkeys(names, 1.0)).settings
+        file_settings = read_spacar(path, numbers=dict.fromkeys(names, 1.0)).settings
     except (OSError, ValueError):
         return {}, []
-    settings = {name: value for name, value in found.items() if name in KEPT}
-    whole = {k: Setting(v.line, v) if isinstance(v, Setting) else v for k, v in settings.items()}
-    gone = [name for name in found if name not in KEPT and not name.startswith(("STARTD", "INPUT"))]
-    notes = [f"{clean(path.name)} had {', '.join(gone)}. A document cannot contain this. It is lost."]
-    return whole, notes * bool(gone)
+    settings = {name: value for name, value in file_settings.items() if name in ANALYSIS_KEYWORDS}
+    retained = {k: Setting(v.line, v) if isinstance(v, Setting) else v for k, v in settings.items()}
+    gone = [
+        name for name in file_settings if name not in ANALYSIS_KEYWORDS and not name.startswith(("STARTD", "INPUT"))
+    ]
+    notes = [f"{printable(path.name)} had {', '.join(gone)}. A document cannot contain this. It is lost."]
+    return retained, notes * bool(gone)
 
 
 def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[list[str], list[str]]:
     """Lines of the file, and numbers that do not follow from names by arithmetic."""
-    built = build(document)
+    built = build_document(document)
     known: Any = numbers_of(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
-    builder = _apart(_without_strength(built.builder))
-    plain = [*_signals(builder), *map(text_of, lines_of(builder, settings or {}))]
+    builder = _with_file_names(_without_strength(built.builder))
+    plain = [*_signals(builder), *map(line_text, lines_of(builder, settings or {}))]
     if not free:
         return plain, []
-    found: list[WrittenLine | str] = []
+    written_lines: list[WrittenLine | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = _apart(_without_strength(build(document, numbers_of(document, names)).builder))
-        found[:] = lines_of(other, settings or {}, like=builder)
+        other = _with_file_names(_without_strength(build_document(document, numbers_of(document, names)).builder))
+        written_lines[:] = lines_of(other, settings or {}, like=builder)
         return [
-            v for line in found if isinstance(line, WrittenLine) for v in line.values if not isinstance(v, int | str)
+            v
+            for line in written_lines
+            if isinstance(line, WrittenLine)
+            for v in line.values
+            if not isinstance(v, int | str)
         ]
 
     formulas_, values = formulas(traced, free)
-    numbers = iter(zip((one.item() for one in formulas_), values, strict=True))
+    numbers = iter(zip((entry.item() for entry in formulas_), values, strict=True))
     lines: list[str] = list(_signals(builder))
     lost: dict[tuple[str, int], list[str]] = {}
-    for line in found:
+    for line in written_lines:
         if isinstance(line, str):
             lines.append(line)
             continue
@@ -255,10 +266,10 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
             words.pop()
         lines.append(" ".join([line.keyword, *words]))
     how = "follows from names by more than + - * / ** and stays unchanged"
-    return lines, [f"number {n} of {keyword} {listed(of)} {how}" for (keyword, n), of in lost.items()]
+    return lines, [f"number {n} of {keyword} {listed(subjects)} {how}" for (keyword, n), subjects in lost.items()]
 
 
-def _apart(builder: Builder) -> Builder:
+def _with_file_names(builder: Builder) -> Builder:
     """A builder in which the rotation of node 1 is node 2 if no other node is, as in files."""
     new: dict[str, str] = {}
     for name in builder.nodes:
@@ -272,8 +283,8 @@ def _apart(builder: Builder) -> Builder:
         is_node = isinstance(entry, tuple) and entry[0] == "node"
         return (entry[0], new.get(entry[1], entry[1]), entry[2]) if is_node else entry
 
-    def signal(own: NamedSignal) -> NamedSignal:
-        return own._replace(key=key(own.key), parts=tuple(map(signal, own.parts)))
+    def signal(named_signal: NamedSignal) -> NamedSignal:
+        return named_signal._replace(key=key(named_signal.key), parts=tuple(map(signal, named_signal.parts)))
 
     twin = builder.copy()
     twin.nodes = {new.get(name, name): node for name, node in twin.nodes.items()}
@@ -282,10 +293,10 @@ def _apart(builder: Builder) -> Builder:
     twin.dofs = list(map(key, twin.dofs))
     twin.starts = {key(entry): value for entry, value in twin.starts.items()}
     twin.loads = {
-        which: {kind: {key(entry): value for entry, value in own.items()} for kind, own in sets.items()}
+        which: {kind: {key(entry): value for entry, value in entries.items()} for kind, entries in sets.items()}
         for which, sets in twin.loads.items()
     }
-    twin.signals = {side: list(map(signal, own)) for side, own in twin.signals.items()}
+    twin.signals = {side: list(map(signal, entries)) for side, entries in twin.signals.items()}
     return twin
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..arguments import shown
+from ..arguments import short_repr
 from .content import Document as Document
 from .content import EditError as EditError
 from .content import Report as Report
@@ -17,12 +17,12 @@ def apply(document: Document, ops: Any) -> tuple[Document, Report]:
     """Apply operations, each as of :mod:`.edits`, :mod:`.copies` or :mod:`.mirror`: all or none."""
     known = EDITS | COPIES | MIRROR
     if not isinstance(ops, list | tuple):
-        raise EditError("", f"Edits are {shown(ops)}. They must be a list of operations.")
+        raise EditError("", f"Edits are {short_repr(ops)}. They must be a list of operations.")
     ids, also, labels = [], [], []
     for op in ops:
         kind = op.get("op") if isinstance(op, dict) else None
         if not isinstance(kind, str) or kind not in known:
-            raise EditError("", f"There is no operation {shown(kind)}. There are: {', '.join(known)}.")
+            raise EditError("", f"There is no operation {short_repr(kind)}. There are: {', '.join(known)}.")
         try:
             document, report = known[kind](document, op)
         except KeyError as fault:

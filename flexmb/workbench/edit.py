@@ -145,7 +145,7 @@ class Workbench:
         return f"Workbench({self.address})"
 
     def _repr_html_(self) -> str:
-        return frame(self.address, self._server.port)
+        return page_frame(self.address, self._server.port)
 
 
 def in_notebook() -> bool:
@@ -159,7 +159,7 @@ def remote() -> str | None:
     return next((name for variable, name in REMOTE.items() if os.environ.get(variable)), None)
 
 
-def frame(address: str, port: int) -> str:
+def page_frame(address: str, port: int) -> str:
     """The page in a frame, with advice for a browser that cannot reach it."""
     where = remote()
     beyond = (

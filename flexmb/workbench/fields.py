@@ -110,12 +110,14 @@ def catalogue() -> dict[str, dict[str, Any]]:
 @functools.cache
 def calls() -> dict[str, Call]:
     """All calls by name."""
-    found = [_of_method(name) for name in _methods()]
-    found += [_of_element(room, name) for room in (planar, spatial) for name in room.__all__ if _offered(room, name)]
-    found += [_of_record(name) for name in sections.__all__ if _kind_of_record(getattr(sections, name))]
-    found += [_of_constant(name) for name in materials.__all__]
-    found += [_of_block(name) for name in dir(blocks)]
-    return {call.name: call for call in found}
+    all_calls = [_method_call(name) for name in _methods()]
+    all_calls += [
+        _element_call(room, name) for room in (planar, spatial) for name in room.__all__ if _offered(room, name)
+    ]
+    all_calls += [_record_call(name) for name in sections.__all__ if _kind_of_record(getattr(sections, name))]
+    all_calls += [_constant_call(name) for name in materials.__all__]
+    all_calls += [_block_call(name) for name in dir(blocks)]
+    return {call.name: call for call in all_calls}
 
 
 def _call(
@@ -162,28 +164,30 @@ def _written(default: Any) -> str | None:
 
 def _methods() -> list[str]:
     # Methods of the base class follow.
-    found = [name for kind in Builder.__mro__[:-1] for name in vars(kind) if inspect.isfunction(getattr(Builder, name))]
-    return [name for name in dict.fromkeys(found) if not name.startswith("_") and name not in OTHERS]
+    method_names = [
+        name for kind in Builder.__mro__[:-1] for name in vars(kind) if inspect.isfunction(getattr(Builder, name))
+    ]
+    return [name for name in dict.fromkeys(method_names) if not name.startswith("_") and name not in OTHERS]
 
 
-def _of_method(name: str) -> Call:
+def _method_call(name: str) -> Call:
     function, group = getattr(Builder, name), METHODS.get(name, "load")
-    fields = _of_signature(function, name, ("self",))
+    fields = _signature_fields(function, name, ("self",))
     makes = "node" if group == "node" else {"sensor": "output", "actuator": "input"}.get(name, name)
     makes = makes if group in ("node", "signal") else None
     return _call(name, "method", function, group, makes, fields, name=name if makes else None)
 
 
-def _of_block(name: str) -> Call:
+def _block_call(name: str) -> Call:
     function = getattr(blocks, name)
-    fields = _of_signature(function, name, ("b",))
+    fields = _signature_fields(function, name, ("b",))
     prefix = inspect.signature(function).parameters["name"].default
     return _call(f"blocks.{name}", "block", function, "block", "block", fields, name=prefix)
 
 
-def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[dict[str, Any]]:
+def _signature_fields(function: Any, call: str, without: tuple[str, ...]) -> list[dict[str, Any]]:
     hints, docs = typing.get_type_hints(function), _arguments(function)
-    found = []
+    fields = []
     for name, parameter in inspect.signature(function).parameters.items():
         # Numbers by name belong to another field.
         if name in (*without, "name") or parameter.kind is parameter.VAR_KEYWORD:
@@ -191,11 +195,11 @@ def _of_signature(function: Any, call: str, without: tuple[str, ...]) -> list[di
         # Components may be left out; the Builder raises where it needs some.
         several = parameter.kind is parameter.VAR_POSITIONAL
         default = None if several and name == "components" else parameter.default
-        found.append(_of_parameter(call, name, hints.get(name), default, docs.get(name, "")))
-    return sorted(found, key=lambda field: field["optional"])
+        fields.append(_parameter_field(call, name, hints.get(name), default, docs.get(name, "")))
+    return sorted(fields, key=lambda field: field["optional"])
 
 
-def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
+def _parameter_field(call: str, name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     more: dict[str, Any] = {"dimension": 3 if name in SPATIAL else None}
     choices = CHOICES.get((call, name)) or CHOICES.get(name)
     if name == "element" and default is None:
@@ -205,7 +209,7 @@ def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> di
     if name in KINDS:
         more |= {"count": 1} if name == "component" else {}
         return _field(name, KINDS[name], default, doc, new=name == "stage", **more)
-    field = _of_hint(name, hint, default, doc)
+    field = _annotation_field(name, hint, default, doc)
     if name in COUNTS or field["kind"] == "vector":
         field |= {"kind": "vector", "count": _count(COUNTS.get(name, (2, 3)))}
     return field | more
@@ -213,7 +217,7 @@ def _of_parameter(call: str, name: str, hint: Any, default: Any, doc: str) -> di
 
 def _flexible() -> list[str]:
     """Element types for building blocks: flexible, between two ends, and with a section as their only property."""
-    found = []
+    type_names = []
     for room in (planar, spatial):
         for name in room.__all__:
             element = getattr(room, name)
@@ -227,8 +231,8 @@ def _flexible() -> list[str]:
                 "clamp",
             }
             if joined == ["p", "rot_p", "q", "rot_q"] and element.resultants is not None and not needed:
-                found.append(f"{room.__name__.rpartition('.')[2]}.{name}")
-    return found
+                type_names.append(f"{room.__name__.rpartition('.')[2]}.{name}")
+    return type_names
 
 
 def _offered(room: Any, name: str) -> bool:
@@ -239,7 +243,7 @@ def _offered(room: Any, name: str) -> bool:
     )
 
 
-def _of_element(room: Any, name: str) -> Call:
+def _element_call(room: Any, name: str) -> Call:
     element: Element = getattr(room, name)
     place = room.__name__.rpartition(".")[2]
     dimension = 2 if room is planar else 3
@@ -249,9 +253,9 @@ def _of_element(room: Any, name: str) -> Call:
     fields = []
     for key, parameter in element.properties.items():
         default = None if parameter.default is EMPTY and key not in needed else parameter.default
-        fields.append(_of_hint(key, element.hint(key), default, _mentioned(text, key)))
+        fields.append(_annotation_field(key, element.hint(key), default, _mentioned(text, key)))
     for key, (kind, default) in _options(element).items():
-        fields.append(_of_hint(key, kind, default, _mentioned(text, key)))
+        fields.append(_annotation_field(key, kind, default, _mentioned(text, key)))
     # The section first, then what must be given.
     fields.sort(key=lambda field: (field["name"] != "section", field["optional"]))
     hint = typing.get_type_hints(element.deformation).get("return")
@@ -292,50 +296,54 @@ def _fields_of(record: Any) -> tuple[dataclasses.Field, ...]:
     return dataclasses.fields(record)
 
 
-def _kind_of_record(found: Any) -> str | None:
+def _kind_of_record(maker: Any) -> str | None:
     """What a class of records, or a function that returns a record, makes; None if a document cannot contain it."""
-    if inspect.isclass(found):
-        usual = [(kind, base) for kind, base in _MADE if issubclass(found, base)]
-        given = {f.name: f.type for f in _fields_of(found)} if usual and found is not Section else {}
-        return usual[0][0] if given and "function" not in given else None
-    made = typing.get_type_hints(found).get("return")
-    return next((kind for kind, base in _MADE if inspect.isclass(made) and issubclass(made, base)), None)
+    if inspect.isclass(maker):
+        usual = [(kind, base) for kind, base in _RECORD_KINDS if issubclass(maker, base)]
+        field_types = {f.name: f.type for f in _fields_of(maker)} if usual and maker is not Section else {}
+        return usual[0][0] if field_types and "function" not in field_types else None
+    return_type = typing.get_type_hints(maker).get("return")
+    return next(
+        (kind for kind, base in _RECORD_KINDS if inspect.isclass(return_type) and issubclass(return_type, base)), None
+    )
 
 
-_MADE: tuple[tuple[str, Any], ...] = (("section", Section), ("material", Material), ("damping", Damping))
+_RECORD_KINDS: tuple[tuple[str, Any], ...] = (("section", Section), ("material", Material), ("damping", Damping))
 
 
-def _of_record(name: str) -> Call:
+def _record_call(name: str) -> Call:
     function: Any = getattr(sections, name)
     makes = _kind_of_record(function)
     hints, docs = typing.get_type_hints(function), _arguments(function)
     if inspect.isclass(function):
         # The first fields of a record are the arguments of its constructor.
-        given = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _fields_of(function)}
+        defaults = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _fields_of(function)}
     else:
-        given = {key: p.default for key, p in inspect.signature(function).parameters.items()}
-    fields = [_of_hint(key, hints.get(key), default, docs.get(key, "")) for key, default in given.items()]
+        defaults = {key: p.default for key, p in inspect.signature(function).parameters.items()}
+    fields = [_annotation_field(key, hints.get(key), default, docs.get(key, "")) for key, default in defaults.items()]
     group = "material" if makes == "damping" else makes
     return _call(name, "record", function, str(group), makes, fields, name=str(makes))
 
 
-def _of_constant(name: str) -> Call:
-    made: Any = getattr(materials, name)
-    doc = ", ".join(f"{f.name} {getattr(made, f.name):g}" for f in dataclasses.fields(made) if getattr(made, f.name))
-    return _call(f"materials.{name}", "constant", made, "material", "material", [], name=name, doc=doc)
+def _constant_call(name: str) -> Call:
+    constant: Any = getattr(materials, name)
+    doc = ", ".join(
+        f"{f.name} {getattr(constant, f.name):g}" for f in dataclasses.fields(constant) if getattr(constant, f.name)
+    )
+    return _call(f"materials.{name}", "constant", constant, "material", "material", [], name=name, doc=doc)
 
 
-def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
+def _annotation_field(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     """A field from the annotation of a property, an option or an entry of a record."""
     alternatives = alternatives_of(hint)
-    if made := _record_in(alternatives):
-        return _field(name, made, default, doc)
-    origins = {typing.get_origin(one): typing.get_args(one) for one in alternatives}
+    if record_kind := _record_in(alternatives):
+        return _field(name, record_kind, default, doc)
+    origins = {typing.get_origin(candidate): typing.get_args(candidate) for candidate in alternatives}
     if typing.Literal in origins:
         return _field(name, "choice", default, doc, choices=list(origins[typing.Literal]))
     if ENDS in alternatives:
         return _field(name, "choice", default, doc, choices=list(ENDS_IN_WORDS))
-    if any(one in ROOTS for one in alternatives):
+    if any(candidate in ROOTS for candidate in alternatives):
         # As many for both ends, or those of the first and then of the last.
         return _field(name, "vector", default, doc, count=_count((None, None)))
     if bool in alternatives:
@@ -344,16 +352,18 @@ def _of_hint(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
         inner = origins[collections.abc.Sequence][0]
         several = "sections" if inspect.isclass(inner) and issubclass(inner, Section) else "vector"
         return _field(name, several, default, doc, count=_count((None, None)) if several == "vector" else None)
-    sizes = [getattr(one, "dim_str", "") for one in alternatives]
-    if size := next((int(one) for one in sizes if one.isdecimal()), None):
+    sizes = [getattr(candidate, "dim_str", "") for candidate in alternatives]
+    if size := next((int(candidate) for candidate in sizes if candidate.isdecimal()), None):
         return _field(name, "vector", default, doc, count=_count((size, size)))
     return _field(name, "number", default, doc, whole=alternatives == (int,))
 
 
 def _record_in(alternatives: tuple[Any, ...]) -> str | None:
     """Kind of record in an annotation."""
-    classes = [one for one in alternatives if inspect.isclass(one)]
-    return next((kind for kind, base in _MADE if any(issubclass(one, base) for one in classes)), None)
+    classes = [candidate for candidate in alternatives if inspect.isclass(candidate)]
+    return next(
+        (kind for kind, base in _RECORD_KINDS if any(issubclass(candidate, base) for candidate in classes)), None
+    )
 
 
 def _count(counts: tuple[int | None, int | None]) -> dict[str, int | None]:
@@ -365,25 +375,27 @@ def _arguments(function: Any) -> dict[str, str]:
     """Text of a docstring about each argument or attribute, also if it points to another function."""
     lines = (inspect.getdoc(function) or "").splitlines()
     heads = [i for i, line in enumerate(lines) if line in ("Args:", "Attributes:")]
-    found: dict[str, str] = {}
+    argument_texts: dict[str, str] = {}
     names: list[str] = []
     for line in lines[heads[0] + 1 :] if heads else []:
         if line and not line.startswith(" "):
             break
         if head := re.match(r"    (\w+(?:, \w+)*): (.*)", line):
             names = head.group(1).split(", ")
-            found |= dict.fromkeys(names, head.group(2))
+            argument_texts |= dict.fromkeys(names, head.group(2))
         else:
-            found |= {name: f"{found[name]} {line.strip()}".strip() for name in names}
-    named = [ref for text in found.values() for ref in re.findall(r"See :func:`(?:flexmb\.\w+\.)?(\w+)`", text)]
+            argument_texts |= {name: f"{argument_texts[name]} {line.strip()}".strip() for name in names}
+    named = [
+        ref for text in argument_texts.values() for ref in re.findall(r"See :func:`(?:flexmb\.\w+\.)?(\w+)`", text)
+    ]
     other = named[0] if named else ""
-    told = _arguments(getattr(blocks, other)) if other in dir(blocks) and other != function.__name__ else {}
-    pointing = [name for name, text in found.items() if text.startswith(("The same.", "See :func:"))]
-    return found | {name: told[name] for name in pointing if name in told}
+    other_texts = _arguments(getattr(blocks, other)) if other in dir(blocks) and other != function.__name__ else {}
+    pointing = [name for name, text in argument_texts.items() if text.startswith(("The same.", "See :func:"))]
+    return argument_texts | {name: other_texts[name] for name in pointing if name in other_texts}
 
 
 def _mentioned(text: str, name: str) -> str:
     """Text in parentheses or after a comma behind a property in the text of an element type."""
     text = text[max(text.find("Properties:"), 0) :]
-    found = re.search(rf"\b{name}(?: \(((?:[^()]|\([^()]*\))*)\)|, (whether [^.;]*))", text)
-    return " ".join((found.group(1) or found.group(2)).split()) if found else ""
+    match = re.search(rf"\b{name}(?: \(((?:[^()]|\([^()]*\))*)\)|, (whether [^.;]*))", text)
+    return " ".join((match.group(1) or match.group(2)).split()) if match else ""

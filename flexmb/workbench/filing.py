@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import clean
+from ..errors import printable
 from ..files import read_whole, write_whole
 from .document import Document
 
@@ -38,13 +38,13 @@ def files_of(path: Path | None) -> list[Path]:
 def opened(path: Path) -> Opened:
     """The document of a file; nothing in it is run."""
     if path.suffix == ".json":
-        return Opened(_of_json(read_whole(path), path.name), [])
+        return Opened(_json_document(read_whole(path), path.name), [])
     if path.suffix == ".dat":
         from .dat_file import open_dat
 
         document, notes = open_dat(path)
         return Opened(document, list(notes))
-    raise ValueError(f"'{clean(path.name)}' cannot be opened. The workbench opens {' and '.join(OPENED)}.")
+    raise ValueError(f"'{printable(path.name)}' cannot be opened. The workbench opens {' and '.join(OPENED)}.")
 
 
 def received(name: str, text: str) -> Opened:
@@ -65,7 +65,7 @@ def lost_in(document: Document, path: Path) -> list[str]:
     return cannot_hold(document)
 
 
-def write(document: Document, path: Path) -> list[str]:
+def write_document(document: Document, path: Path) -> list[str]:
     """Write a document; notes about it."""
     for file in files_of(path):
         if file.exists() and not file.is_file():
@@ -81,7 +81,7 @@ def write(document: Document, path: Path) -> list[str]:
 
         return save_dat(document, path)
     else:
-        raise ValueError(f"'{clean(path.name)}' cannot be saved. The workbench saves {', '.join(SAVED)}.")
+        raise ValueError(f"'{printable(path.name)}' cannot be saved. The workbench saves {', '.join(SAVED)}.")
     return []
 
 
@@ -91,7 +91,7 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / f"{name}.{kind}"
             lost = lost_in(document, path)
-            notes = write(document, path)
+            notes = write_document(document, path)
             files = [file for file in files_of(path) if file.exists()]
             if len(files) == 1:
                 return {"name": path.name, "text": path.read_text(encoding="utf-8"), "left_out": lost, "notes": notes}
@@ -100,11 +100,11 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
                 for file in files:
                     archive.write(file, file.name)
         return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost, "notes": notes}
-    from .building import build
+    from .building import build_document
 
     if kind not in ("html", "step", "dxf"):
-        raise ValueError(f"There is no export '{clean(kind)}'. There are py, dat, json, html, step and dxf.")
-    built = build(document)
+        raise ValueError(f"There is no export '{printable(kind)}'. There are py, dat, json, html, step and dxf.")
+    built = build_document(document)
     notes = [problem["message"] for problem in built.problems]
     model = built.builder.build(check=False)
     if kind == "html":
@@ -113,8 +113,8 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
     from .cad import dxf, step
 
     x = np.asarray(equilibrium(model).x) if deformed else None
-    found = step(model, x, name) if kind == "step" else dxf(model, x)
-    return {"name": f"{name}.{kind}", **_bytes(found.content), "notes": [*notes, *found.notes]}
+    cad_file = step(model, x, name) if kind == "step" else dxf(model, x)
+    return {"name": f"{name}.{kind}", **_bytes(cad_file.content), "notes": [*notes, *cad_file.notes]}
 
 
 def _page(built: Any) -> str:
@@ -133,11 +133,11 @@ def _bytes(content: bytes) -> dict[str, str]:
     return {"base64": base64.b64encode(content).decode()}
 
 
-def _of_json(content: bytes, name: str) -> Document:
+def _json_document(content: bytes, name: str) -> Document:
     try:
         data = json.loads(content)
     except (ValueError, RecursionError) as fault:
-        raise ValueError(f"'{clean(name)}' is no JSON: {fault}.") from None
+        raise ValueError(f"'{printable(name)}' is no JSON: {fault}.") from None
     return Document.from_data(data)
 
 
@@ -145,13 +145,15 @@ def difference(here: Document, there: Document) -> str:
     """Difference of a document from another, in a few words; "" if both build the same."""
     names = [name for name in {**here.names, **there.names} if here.names.get(name) != there.names.get(name)]
     plain_here, plain_there = (
-        [repr((thing["call"], thing.get("name"), sorted(thing["args"].items()))) for thing in document.things]
+        [repr((item["call"], item.get("name"), sorted(item["args"].items()))) for item in document.things]
         for document in (here, there)
     )
-    apart = max(sum(t not in plain_there for t in plain_here), sum(t not in plain_here for t in plain_there))
-    parts = [f"{apart} {'thing' if apart == 1 else 'things'}"] if apart else []
+    n_different = max(sum(t not in plain_there for t in plain_here), sum(t not in plain_here for t in plain_there))
+    parts = [f"{n_different} {'thing' if n_different == 1 else 'things'}"] if n_different else []
     if names:
-        shown = ", ".join(map(clean, names[:5]))
-        parts.append(f"the {'name' if len(names) == 1 else 'names'} {shown}{' and more' if len(names) > 5 else ''}")
-    verb = "differs" if len(names) + apart == 1 else "differ"
+        names_text = ", ".join(map(printable, names[:5]))
+        parts.append(
+            f"the {'name' if len(names) == 1 else 'names'} {names_text}{' and more' if len(names) > 5 else ''}"
+        )
+    verb = "differs" if len(names) + n_different == 1 else "differ"
     return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

@@ -13,7 +13,7 @@ from ..identification.study_data import measured_table
 from ..linear.linearize import linearize
 from ..model.model import Model
 from ..plot.answer import image_of
-from .building import build, numbers_of
+from .building import build_document, numbers_of
 from .document import Document
 from .targets import bounds_of
 from .traced import answer_of, increment_of
@@ -31,7 +31,7 @@ def fitted_names(
         "status", "title", "text", "rows" (a line for each name), "picture" (SVG), and "ops" that would write the fitted
         values into the document.
     """
-    built = build(document)
+    built = build_document(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
     numbers = numbers_of(document)
@@ -40,7 +40,7 @@ def fitted_names(
     start = {name: float(numbers[f"names/{name}/value"]) for name in names}
 
     def model_of(**values: Any) -> Model:
-        return build(document, numbers_of(document, values)).builder.build()
+        return build_document(document, numbers_of(document, values)).builder.build()
 
     def answers(questions: list[str]) -> Any:
         functions = [answer_of(question, node) for question in questions]
@@ -51,36 +51,36 @@ def fitted_names(
 
         return computed
 
-    with heard() as said:
-        found = fit(model_of, measured_table(file, text, answers), start, bounds, throw=False)
-    good = found.result.name in ("successful", "poor_fit")
+    with heard() as warnings:
+        fit_result = fit(model_of, measured_table(file, text, answers), start, bounds, throw=False)
+    good = fit_result.result.name in ("successful", "poor_fit")
     ops = [
         {"op": "name", "name": name, "to": {**entry, "value": number_like(entry["value"], float(value), 7)}}
-        for name, value in found.parameters.items()
+        for name, value in fit_result.parameters.items()
         if (entry := document.names[name])
     ]
     return {
         "status": "done" if good else "failed",
         "title": f"Fit to {file}",
-        "text": "\n".join([*_told(found), *dict.fromkeys(said)]),
-        "rows": [_row(found, name, start[name]) for name in found.labels],
-        "picture": image_of(found, "svg").decode(),
+        "text": "\n".join([*_summary_lines(fit_result), *dict.fromkeys(warnings)]),
+        "rows": [_row(fit_result, name, start[name]) for name in fit_result.labels],
+        "picture": image_of(fit_result, "svg").decode(),
         "ops": ops if good else [],
     }
 
 
-def _told(found: Fit) -> list[str]:
-    summary = found.summary()
-    return [summary.title, *(f"{name}: {text}" for name, text in summary.rows.items() if name not in found.labels)]
+def _summary_lines(fit_result: Fit) -> list[str]:
+    summary = fit_result.summary()
+    return [summary.title, *(f"{name}: {text}" for name, text in summary.rows.items() if name not in fit_result.labels)]
 
 
-def _row(found: Fit, name: str, before: float) -> dict[str, str]:
-    ends = found.interval(name, LEVEL)
+def _row(fit_result: Fit, name: str, before: float) -> dict[str, str]:
+    ends = fit_result.interval(name, LEVEL)
     return {
         "name": name,
         "before": short(before),
-        "fitted": short(float(found.parameters[name])),
-        "deviation": short(float(found.deviation[name])),
+        "fitted": short(float(fit_result.parameters[name])),
+        "deviation": short(float(fit_result.deviation[name])),
         f"{100 * LEVEL:g} % from": short(ends[0]),
         "to": short(ends[1]),
     }

@@ -32,7 +32,7 @@ class Formula(NamedTuple):
 LOST = Formula(None)
 
 
-def text_of(value: float) -> str:
+def number_text(value: float) -> str:
     """A short text that reads back to the same number; powers of a thousand if that is shorter."""
     value = float(value)
     if value == math.pi:
@@ -44,8 +44,8 @@ def text_of(value: float) -> str:
     mantissa, _, power = f"{abs(value):.{figures}e}".partition("e")
     shift = int(power) % 3
     digits = mantissa.replace(".", "").ljust(shift + 1, "0")
-    rest = digits[shift + 1 :].rstrip("0")
-    thousands = f"{'-' * (value < 0)}{digits[: shift + 1]}{'.' * bool(rest)}{rest}e{int(power) - shift}"
+    decimals = digits[shift + 1 :].rstrip("0")
+    thousands = f"{'-' * (value < 0)}{digits[: shift + 1]}{'.' * bool(decimals)}{decimals}e{int(power) - shift}"
     if float(thousands) != value or ("e" not in plain and len(plain) <= len(thousands) + 1):
         return plain
     return thousands
@@ -69,8 +69,8 @@ def formulas(
     reader = _FormulaReader()
     # JAX flattens a dictionary in the order of its keys.
     ordered = sorted(names)
-    given = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
-    texts = [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, given)]
+    inputs = [np.asarray(reader.place(Formula(name)), float) for name in ordered]
+    texts = [reader.texts(value) for value in reader.run(program.jaxpr, program.consts, inputs)]
     values = jax.core.eval_jaxpr(program.jaxpr, program.consts, *(float(names[name]) for name in ordered))
     return texts, [np.asarray(value) for value in values]
 
@@ -104,10 +104,10 @@ class _FormulaReader:
 
     def texts(self, value: Any) -> np.ndarray:
         places = self.placed(value)
-        found = np.empty(places.shape, object)
+        texts = np.empty(places.shape, object)
         for at in np.ndindex(places.shape):
-            found[at] = self.table[int(places[at])]
-        return found
+            texts[at] = self.table[int(places[at])]
+        return texts
 
     def run(self, jaxpr: Jaxpr, constants: Any, given: list[Any]) -> list[Any]:
         values: dict[Any, Any] = dict(zip(jaxpr.constvars, map(_Known, constants), strict=True))
@@ -125,8 +125,8 @@ class _FormulaReader:
         if isinstance(inner, ClosedJaxpr):
             return self.run(inner.jaxpr, inner.consts, given)
         if all(isinstance(value, _Known) for value in given):
-            found = equation.primitive.bind(*(value.value for value in given), **equation.params)
-            return [_Known(result) for result in (found if equation.primitive.multiple_results else [found])]
+            outputs = equation.primitive.bind(*(value.value for value in given), **equation.params)
+            return [_Known(result) for result in (outputs if equation.primitive.multiple_results else [outputs])]
         if kind in _MOVES:
             return self.moved(equation, given)
         if (how := _arithmetic(kind, equation.params)) is not None:
@@ -146,8 +146,8 @@ class _FormulaReader:
             if where and not isinstance(value, _Known):
                 return [np.zeros(out.aval.shape) for out in equation.outvars]
             moved.append(value.value if where else self.placed(value))
-        found = equation.primitive.bind(*moved, **equation.params)
-        return [np.asarray(result) for result in (found if equation.primitive.multiple_results else [found])]
+        outputs = equation.primitive.bind(*moved, **equation.params)
+        return [np.asarray(result) for result in (outputs if equation.primitive.multiple_results else [outputs])]
 
 
 def _value_of(atom: Any, values: dict[Any, Any]) -> Any:
@@ -157,7 +157,7 @@ def _value_of(atom: Any, values: dict[Any, Any]) -> Any:
 def _constant(value: float) -> Formula:
     if not math.isfinite(value):
         return LOST
-    text = text_of(value)
+    text = number_text(value)
     return Formula(text, _SIGN if text.startswith("-") else _ATOM)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.assemble import UNIT_NORM
 from ..build.builder import Builder
-from ..build.clamps import parts_of, with_clamps
+from ..build.clamps import nodes_of_kind, with_clamps
 from ..build.description import Key, Member, NamedSignal, Node
 from ..build.ends_in_line import with_steps
 from ..build.given import released_in
@@ -53,8 +53,8 @@ class _Conversion:
         self.builder = Builder()
         self.builder.dimension = self.labels.dimension
         x_roles, self.e_roles = model.roles()
-        self.nodes = {name: node for name, node in self._found_nodes(x_roles)}
-        self.members = self._found_members()
+        self.nodes = {name: node for name, node in self._nodes(x_roles)}
+        self.members = self._members()
         self.turns = [name for name, member in self.members.items() if self._is_turn(name, member)]
         self.frames = {frame_of(turned_by(name)[0]) for name in self.turns}
         self._add_nodes()
@@ -74,15 +74,15 @@ class _Conversion:
                 self.builder.strain(name, *row)
         dofs: list[Key] = [self._key("node", i) for i in np.asarray(self.topology.x.dof).tolist()]
         dofs += [self._key("element", i) for i in np.asarray(self.topology.e.dof).tolist()]
-        for (of, kind), run in itertools.groupby(
+        for (owner, kind), run in itertools.groupby(
             map(self._component, dofs), key=lambda part: (part[0], part[2].get("kind"))
         ):
-            self.builder.dof(of, *(component for _, component, _ in run), **({"kind": kind} if kind else {}))
+            self.builder.dof(owner, *(component for _, component, _ in run), **({"kind": kind} if kind else {}))
         if self.parameters.start is not None:
             for key, *pair in zip(dofs, *(np.asarray(part).tolist() for part in self.parameters.start), strict=True):
-                of, component, kind = self._component(key)
+                owner, component, kind = self._component(key)
                 if any(pair):
-                    self.builder.start(of, component, *pair, **kind)
+                    self.builder.start(owner, component, *pair, **kind)
         for k, (side, signals) in enumerate((("input", self.labels.inputs), ("output", self.labels.outputs))):
             weights = itertools.repeat(1.0)
             if self.parameters.weights is not None:
@@ -90,7 +90,7 @@ class _Conversion:
             for signal in signals:
                 self._name_signal(side, signal, [next(weights) for _ in signal.terms])
 
-    def _found_nodes(self, roles: list[Role]) -> Iterator[tuple[str, Node]]:
+    def _nodes(self, roles: list[Role]) -> Iterator[tuple[str, Node]]:
         reference, powers, first = np.asarray(self.parameters.reference), np.asarray(self.topology.powers), 0
         for name, entries in itertools.groupby(self.labels.x, key=lambda entry: entry.of):
             entries = list(entries)
@@ -106,30 +106,30 @@ class _Conversion:
         kinds = {"position": (POINT2, POINT3), "rotation": (ANGLE, ROTATION3), "warping": (WARPING, WARPING)}
         return kinds[part][not plane]
 
-    def _found_members(self) -> dict[str, Member]:
+    def _members(self) -> dict[str, Member]:
         # Elements without deformations have no such labels. Two on one node differ by their order.
-        shown: dict[tuple, list[str]] = {}
+        element_names: dict[tuple, list[str]] = {}
         for name, kind, nodes in self.labels.elements:
-            shown.setdefault((kind, nodes), []).append(name)
-        found: dict[str, Member] = {}
+            element_names.setdefault((kind, nodes), []).append(name)
+        members: dict[str, Member] = {}
         for block, stacked in zip(self.topology.blocks, self.parameters.properties, strict=True):
             if block.element.deformation is UNIT_NORM.deformation:
                 continue
             for i in range(block.x.shape[0]):
                 row, e = np.asarray(block.x[i]).tolist(), np.asarray(block.e[i]).tolist()
                 nodes = tuple(self.labels.x[row[first]].of for first in (0, *block.splits))
-                named = shown.get((block.element.name, nodes), [])
+                named = element_names.get((block.element.name, nodes), [])
                 name = self.labels.e[e[0]].of if e else named.pop(0) if named else ""
-                properties = _of_one(stacked, i) | dict(block.options)
-                if name in found:
-                    known = found[name].properties
-                    found[name].properties = known | {k: v for k, v in properties.items() if known.get(k) is None}
+                properties = _element_properties(stacked, i) | dict(block.options)
+                if name in members:
+                    known = members[name].properties
+                    members[name].properties = known | {k: v for k, v in properties.items() if known.get(k) is None}
                     continue
                 roles = [self.e_roles[k] for k in e]
-                key = name or f"{block.element.name} {nodes[0]} {len(found)}"
-                found[key] = Member(block.element, nodes, properties, roles, hidden=not name)
+                key = name or f"{block.element.name} {nodes[0]} {len(members)}"
+                members[key] = Member(block.element, nodes, properties, roles, hidden=not name)
         order = [name for name, *_ in self.labels.elements]
-        return dict(sorted(found.items(), key=lambda pair: order.index(pair[0]) if pair[0] in order else len(order)))
+        return dict(sorted(members.items(), key=lambda pair: order.index(pair[0]) if pair[0] in order else len(order)))
 
     def _is_turn(self, name: str, member: Member) -> bool:
         """Whether an element is the hinge that turns or holds a rotation in space."""
@@ -139,19 +139,19 @@ class _Conversion:
 
     def clamped_otherwise(self) -> set[str]:
         """Names of the leaf springs whose ends the calls would clamp otherwise than the model does."""
-        leaves = {name: own for name, own in self.members.items() if "clamped" in own.properties}
+        leaves = {name: member for name, member in self.members.items() if "clamped" in member.properties}
         try:
-            found = with_steps(with_clamps(self.builder, None), self.builder)
+            clamped_builder = with_steps(with_clamps(self.builder, None), self.builder)
         except ModelError:
             # What would decide is stated nowhere, or what is stated already does not suffice.
             return set(leaves)
         return {
             name
-            for name, own in leaves.items()
-            if not np.array_equal(found.members[name].properties["clamped"], own.properties["clamped"])
+            for name, member in leaves.items()
+            if not np.array_equal(clamped_builder.members[name].properties["clamped"], member.properties["clamped"])
             or any(
-                (found.nodes[node].roles[0] in HELD) != (self.nodes[node].roles[0] in HELD)
-                for node in parts_of(own, "warping")
+                (clamped_builder.nodes[node].roles[0] in HELD) != (self.nodes[node].roles[0] in HELD)
+                for node in nodes_of_kind(member, "warping")
             )
         }
 
@@ -166,19 +166,19 @@ class _Conversion:
 
     def _component(self, key: Key) -> tuple[str, str, dict[str, str]]:
         """Node or element of a coordinate or deformation, its component, and ``kind`` if the name is ambiguous."""
-        kind, of, number = key
-        if kind == "element" and of in self.turns:
-            of, axis = turned_by(of)
+        kind, owner, number = key
+        if kind == "element" and owner in self.turns:
+            owner, axis = turned_by(owner)
             kind, component = "node", axis or "rotation"
         elif kind == "element":
-            element = self.members[of].element
+            element = self.members[owner].element
             component = element.deformation_names.get(number, "") if number in element.closure else ""
         else:
-            kind_of = self.nodes[of].kind
+            kind_of = self.nodes[owner].kind
             component = "" if kind_of.part == "internal" else kind_of.components[number - 1]
-            of = self._owner(of)
-        both = of in self.nodes and of in self.members
-        return of, component or str(number), {"kind": kind} if both else {}
+            owner = self._owner(owner)
+        ambiguous = owner in self.nodes and owner in self.members
+        return owner, component or str(number), {"kind": kind} if ambiguous else {}
 
     def _add_nodes(self) -> None:
         for name, node in self.nodes.items():
@@ -214,17 +214,21 @@ class _Conversion:
 
     def _fix(self) -> None:
         """Fix nodes as a whole with their rotations, then single components."""
-        held = {name: [i for i, r in enumerate(n.roles, 1) if r is Role.FIXED] for name, n in self.nodes.items()}
-        whole = {name for name, numbers in held.items() if len(numbers) == len(self.nodes[name].roles)}
+        fixed_components = {
+            name: [i for i, r in enumerate(n.roles, 1) if r is Role.FIXED] for name, n in self.nodes.items()
+        }
+        fully_fixed = {
+            name for name, numbers in fixed_components.items() if len(numbers) == len(self.nodes[name].roles)
+        }
         for name, node in self.nodes.items():
             part, rotation = node.kind.part, f"{name}.rotation"
-            fixed_with_owner = self._owner(name) != name and {name, self._owner(name)} <= whole
-            if not held[name] or name in self.frames or fixed_with_owner:
+            fixed_with_owner = self._owner(name) != name and {name, self._owner(name)} <= fully_fixed
+            if not fixed_components[name] or name in self.frames or fixed_with_owner:
                 continue
-            if name not in whole or part == "warping":
-                entries = [self._component(("node", name, i)) for i in held[name]]
+            if name not in fully_fixed or part == "warping":
+                entries = [self._component(("node", name, i)) for i in fixed_components[name]]
                 self.builder.fix(entries[0][0], *(component for _, component, _ in entries))
-            elif part == "position" and rotation in self.nodes and rotation not in whole:
+            elif part == "position" and rotation in self.nodes and rotation not in fully_fixed:
                 self.builder.fix(name, "position")
             else:
                 self.builder.fix(self._owner(name), *(["rotation"] if self._owner(name) != name else []))
@@ -242,28 +246,28 @@ class _Conversion:
         kind = TYPES.get(member.element, "")
         if not kind:
             raise ModelError(f"A Builder has no call for '{member.element.name}' on node '{member.nodes[0]}'.")
-        own = {key: value for key, value in member.properties.items() if value is not None}
-        flags = {"increment": True} if own.pop("incremental", False) else {}
+        properties = {key: value for key, value in member.properties.items() if value is not None}
+        flags = {"increment": True} if properties.pop("incremental", False) else {}
         flags |= {"follower": True} if kind.startswith("follower") else {}
         if kind != HIDDEN[kind]:
-            own = {HIDDEN[kind]: own.pop(HIDDEN[kind])}
-        getattr(self.builder, HIDDEN[kind])(self._owner(member.nodes[0]), **own, **flags)
+            properties = {HIDDEN[kind]: properties.pop(HIDDEN[kind])}
+        getattr(self.builder, HIDDEN[kind])(self._owner(member.nodes[0]), **properties, **flags)
 
     def _prescribe(self) -> None:
         sets = [(False, self.parameters.loads), (True, self.parameters.increment)]
         for kind, roles, field in (("node", self.topology.x, "x"), ("element", self.topology.e, "e")):
             for k, index in enumerate(np.asarray(roles.prescribed).tolist()):
                 key = self._key(kind, index)
-                of, component, kind_of = self._component(key)
+                owner, component, kind_of = self._component(key)
                 more: dict[str, Any] = dict(kind_of)
                 if component == "rotation":
                     hinge = self.members[key[1]]
                     tilt = {"tilt": "fixed"} if hinge.roles[1] is Role.FIXED else {}
                     more |= {"axis": hinge.properties["axis"]} | tilt
-                given = [(i, getattr(loads, field)) for i, loads in sets if loads is not None]
-                values = [(i, float(array[k])) for i, array in given if array is not None]
+                arrays = [(i, getattr(loads, field)) for i, loads in sets if loads is not None]
+                values = [(i, float(array[k])) for i, array in arrays if array is not None]
                 for increment, value in values or [(False, 0.0)]:
-                    self.builder.prescribe(of, component, value, increment=increment, **more)
+                    self.builder.prescribe(owner, component, value, increment=increment, **more)
 
     def _rows(self, values: Any, labels: Any) -> Iterator[tuple[str, list[float]]]:
         """Nonzero values of each node or element, up to the last one."""
@@ -298,12 +302,14 @@ class _Conversion:
     def _name_signal(self, side: str, signal: Signal, weights: list[float]) -> None:
         if signal.parts:
             parts = [
-                f"{part.quantity} {of}.{component}" for part in signal.parts for of, component, _ in [self._of(part)]
+                f"{part.quantity} {owner}.{component}"
+                for part in signal.parts
+                for owner, component, _ in [self._of(part)]
             ]
             pairs = dict(zip(parts, weights, strict=True))
             (self.builder.sensor if side == "output" else self.builder.actuator)(signal.name, pairs)
             return
-        of, component, kind = self._of(signal)
+        owner, component, kind = self._of(signal)
         quantity = "" if signal.quantity in USUAL[side] else signal.quantity
         entry = None if signal.of_element or signal.axis is not None else self.labels.x[signal.index]
         if entry is not None and self.nodes[entry.of].kind is ROTATION3:
@@ -311,28 +317,28 @@ class _Conversion:
             key = self._key("node", signal.index)
             self.builder.signals[side].append(NamedSignal(signal.name, signal.quantity, key))
             return
-        getattr(self.builder, side)(of, component, quantity, name=signal.name, local=signal.local, **kind)
+        getattr(self.builder, side)(owner, component, quantity, name=signal.name, local=signal.local, **kind)
 
     def _of(self, signal: Signal) -> tuple[str, str, dict[str, str]]:
         """Like :meth:`_component` for a signal, which may be about an axis."""
-        of, component, kind = self._component(self._key("element" if signal.of_element else "node", signal.index))
-        return of, component if signal.axis is None else TURNS[signal.axis], kind
+        owner, component, kind = self._component(self._key("element" if signal.of_element else "node", signal.index))
+        return owner, component if signal.axis is None else TURNS[signal.axis], kind
 
 
-def _of_one(stacked: dict[str, Any], i: int) -> dict[str, Any]:
+def _element_properties(stacked: dict[str, Any], i: int) -> dict[str, Any]:
     """Properties of element i of a block."""
-    found = {}
+    properties = {}
     for name, value in stacked.items():
         if name == "section" and isinstance(value, tuple):
             sizes = [len(jax.tree.leaves(stack)[0]) for stack in value]
             k, row = next((k, i - sum(sizes[:k])) for k in range(len(sizes)) if i < sum(sizes[: k + 1]))
-            found[name] = jax.tree.map(lambda leaf, row=row: _plain(leaf[row]), value[k])
+            properties[name] = jax.tree.map(lambda leaf, row=row: _plain(leaf[row]), value[k])
             # Stands for an element without section beside others with one.
-            if isinstance(found[name], Rigidity) and not any(jax.tree.leaves(found[name])):
-                found[name] = None
+            if isinstance(properties[name], Rigidity) and not any(jax.tree.leaves(properties[name])):
+                properties[name] = None
         else:
-            found[name] = jax.tree.map(lambda leaf: _plain(leaf[i]), value)
-    return found
+            properties[name] = jax.tree.map(lambda leaf: _plain(leaf[i]), value)
+    return properties
 
 
 def _plain(value: Any) -> Any:

@@ -19,10 +19,10 @@ CURVATURE = {2: (-1,), 3: (-1, -1, 1)}
 
 def scalars_of(member: Member) -> dict[str, np.ndarray]:
     """Numbers of an element's geometry that may change sign: arguments of its deformation without directions."""
-    own = member.element.of_deformation(member.properties)
+    arguments = member.element.of_deformation(member.properties)
     return {
         key: np.asarray(value, float)
-        for key, value in own.items()
+        for key, value in arguments.items()
         if value is not None
         and key != "y"
         and not key.startswith("axis")
@@ -30,7 +30,7 @@ def scalars_of(member: Member) -> dict[str, np.ndarray]:
     }
 
 
-def image_of(
+def mirror_signs(
     member: Member, references: list[np.ndarray], kinds: list[Any], axis: int, y_turns: bool
 ) -> tuple[dict[str, Any], np.ndarray] | None:
     """Signs of an element's numbers and of its deformations in its mirror image; None if it has none.
@@ -73,15 +73,15 @@ def image_of(
     sizes = {key: value.shape for key, value in scalars.items()}
     count = sum(int(np.prod(size)) for size in sizes.values())
     for signs in sorted(itertools.product((1, -1), repeat=count), key=lambda s: -sum(s)):
-        rest, flips = list(signs), {}
+        remaining_signs, flips = list(signs), {}
         for key, size in sizes.items():
             n = int(np.prod(size))
-            flips[key], rest = np.reshape(rest[:n], size), rest[n:]
-        own = turned | {key: value * flips[key] for key, value in scalars.items()}
-        theirs = [deformation(image, images[-1], own) for image in images[:-1]]
-        found = _signs_between(np.array(ours), np.array(theirs))
-        if found is not None:
-            return flips, found
+            flips[key], remaining_signs = np.reshape(remaining_signs[:n], size), remaining_signs[n:]
+        image_properties = turned | {key: value * flips[key] for key, value in scalars.items()}
+        theirs = [deformation(image, images[-1], image_properties) for image in images[:-1]]
+        deformation_signs = _signs_between(np.array(ours), np.array(theirs))
+        if deformation_signs is not None:
+            return flips, deformation_signs
     return None
 
 
@@ -106,13 +106,13 @@ def _coordinates(x: np.ndarray, kind: Any, axis: int) -> np.ndarray:
 def _deformation(element: Element) -> Callable[..., np.ndarray]:
     """Deformations of an element as a function of its state, its reference and its properties."""
     options = {key: value for key, value in element.alone().options.items()}
-    near = {"near": np.zeros(64)} if element.tracks_angle else {}
+    angle_options = {"near": np.zeros(64)} if element.tracks_angle else {}
 
     @jit
-    def of(state: list[Any], references: list[Any], own: dict[str, Any]):
-        return element.deformation(*state, ref=element.reference(references), **near, **options, **own)
+    def compiled(state: list[Any], references: list[Any], properties: dict[str, Any]):
+        return element.deformation(*state, ref=element.reference(references), **angle_options, **options, **properties)
 
-    return lambda *given: np.asarray(of(*given), float)
+    return lambda *inputs: np.asarray(compiled(*inputs), float)
 
 
 def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:

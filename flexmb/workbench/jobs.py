@@ -77,9 +77,9 @@ class Jobs:
     def stop(self, name: str) -> None:
         """Stop a job that is still running."""
         with self._lock:
-            found = self._running.get(name)
-        if found is not None:
-            found[0].stop()
+            running = self._running.get(name)
+        if running is not None:
+            running[0].stop()
 
     def close(self) -> None:
         """Stop all jobs, and wait a while for their threads."""

@@ -18,7 +18,7 @@ from ..model.model import Model
 from ..viewer.page import Colours, page_data
 from ..viewer.view import view
 from .advice import advice, mass_advice
-from .building import build
+from .building import build_document
 from .counts import Count, count, quick_numbers
 from .live_answers import Answers, Wants
 from .ways import Ways
@@ -34,44 +34,44 @@ class Scenes:
         """Scene of an analysed mechanism, with elements coloured by ``slopes`` if wanted."""
         wants, model = found.wants, found.model
         colouring = found.stress if wants.colour == "stress" else None
-        own: Modes | Buckling | None = {"modes": found.modes, "buckling": found.buckled}.get(wants.state)
-        if own is not None and own.shapes.shape[1]:
-            count = own.shapes.shape[1]
+        mode_set: Modes | Buckling | None = {"modes": found.modes, "buckling": found.buckled}.get(wants.state)
+        if mode_set is not None and mode_set.shapes.shape[1]:
+            count = mode_set.shapes.shape[1]
             mode = min(wants.mode, count - 1)
-            shown = view(self._steady(own, mode), stress=colouring, which=[mode])
+            scene_view = view(self._steady(mode_set, mode), stress=colouring, which=[mode])
             found_scene = {"kind": "modes", "mode": mode, "modes": count}
         else:
-            shown = view(model if found.lin is None else found.lin, stress=colouring)
-            found_scene = {"kind": shown.kind, "mode": 0, "modes": 0}
+            scene_view = view(model if found.lin is None else found.lin, stress=colouring)
+            found_scene = {"kind": scene_view.kind, "mode": 0, "modes": 0}
         if slopes is not None and wants.colour == "sensitivity":
-            shown = dataclasses.replace(shown, colours=_of_slopes(model, shown, slopes, label))
-        return {**found_scene, "view": page_data(shown)}
+            scene_view = dataclasses.replace(scene_view, colours=_slope_colours(model, scene_view, slopes, label))
+        return {**found_scene, "view": page_data(scene_view)}
 
     def of_count(self, count: Count) -> dict[str, Any] | None:
         """Scene of a mechanism without answers: its self-stress, or its shape; None without elements."""
         if count.drawn is None:
             return None
         over = count.mobility is not None and count.mobility.overconstraints
-        shown = view(count.mobility if over else count.drawn)
-        return {"kind": shown.kind, "mode": 0, "modes": len(shown.choices), "view": page_data(shown)}
+        scene_view = view(count.mobility if over else count.drawn)
+        return {"kind": scene_view.kind, "mode": 0, "modes": len(scene_view.choices), "view": page_data(scene_view)}
 
-    def _steady(self, found: Modes | Buckling, mode: int) -> Modes | Buckling:
+    def _steady(self, mode_set: Modes | Buckling, mode: int) -> Modes | Buckling:
         """The modes, the chosen one with its former sign."""
-        shape = np.asarray(found.shapes)[:, mode]
-        key = (type(found), mode, shape.shape)
+        shape = np.asarray(mode_set.shapes)[:, mode]
+        key = (type(mode_set), mode, shape.shape)
         before = self._before[1] if self._before and self._before[0] == key else shape
         sign = -1.0 if before @ shape < 0 else 1.0
         self._before = key, sign * shape
         if sign > 0:
-            return found
-        signs = jnp.ones(found.shapes.shape[1]).at[mode].set(sign)
-        return dataclasses.replace(found, shapes=found.shapes * signs)
+            return mode_set
+        signs = jnp.ones(mode_set.shapes.shape[1]).at[mode].set(sign)
+        return dataclasses.replace(mode_set, shapes=mode_set.shapes * signs)
 
 
-def _of_slopes(model: Model, shown: Any, slopes: Mapping[str, float], label: str) -> Colours:
+def _slope_colours(model: Model, scene_view: Any, slopes: Mapping[str, float], label: str) -> Colours:
     """Colours of elements by their sensitivity, constant along each."""
-    by_part = np.array([slopes.get(part.name, np.nan) for part in shown.lines.parts])
-    values = np.repeat(by_part, [part.count for part in shown.lines.parts])[None]
+    by_part = np.array([slopes.get(part.name, np.nan) for part in scene_view.lines.parts])
+    values = np.repeat(by_part, [part.count for part in scene_view.lines.parts])[None]
     finite = np.abs(by_part[np.isfinite(by_part)])
     largest = float(np.max(finite, initial=0.0)) or 1.0
     return Colours(label, "coolwarm", -largest, largest, values)
@@ -93,7 +93,7 @@ class Live:
         counted: Newest count with its advice.
     """
 
-    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
+    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build_document):
         """Start the thread, which calls ``tell`` with every message; ``build`` makes builder and problems."""
         self._tell, self._build = tell, build
         self._changed = threading.Condition()
@@ -118,8 +118,8 @@ class Live:
         end = time.monotonic() + timeout
         with self._changed:
             while self._busy or self._next is not None:
-                left = end - time.monotonic()
-                if left <= 0 or not self._changed.wait(left):
+                remaining = end - time.monotonic()
+                if remaining <= 0 or not self._changed.wait(remaining):
                     return not self._busy and self._next is None
             return True
 
@@ -154,39 +154,39 @@ class Live:
             self._next = self._next or self._shown
             self._changed.notify_all()
 
-    def _say(self, what: str, revision: int, **content: Any) -> None:
+    def _say(self, topic: str, revision: int, **content: Any) -> None:
         if not self._stopped:
-            self._tell({"tell": what, "revision": revision, **content})
+            self._tell({"tell": topic, "revision": revision, **content})
 
     def _evaluate(self, revision: int, document: Any, wants: Wants) -> None:
         built = self._build(document)
         if not built.builder.nodes and not built.problems:
             # The next mechanism on an empty drawing is another one: no answer stays.
             self._good = _nothing()
-        found = self._count(revision, built, document.things)
+        dof_count = self._count(revision, built, document.things)
         if built.problems:
             more = f" There are {len(built.problems)} such problems." if len(built.problems) > 1 else ""
             self._failed(revision, f"{built.problems[0]['message']}{more}")
-            self._show(revision, lambda: self._scenes.of_count(found))
-        elif found.model is None:
-            self._failed(revision, found.message)
-            self._show(revision, lambda: self._scenes.of_count(found))
+            self._show(revision, lambda: self._scenes.of_count(dof_count))
+        elif dof_count.model is None:
+            self._failed(revision, dof_count.message)
+            self._show(revision, lambda: self._scenes.of_count(dof_count))
         else:
-            self._answer(revision, found, document, wants)
+            self._answer(revision, dof_count, document, wants)
 
-    def _count(self, revision: int, built: Any, things: list[dict[str, Any]]) -> Count:
+    def _count(self, revision: int, built: Any, items: list[dict[str, Any]]) -> Count:
         """Count, and send it with advice; for a new structure send first the numbers that need no compiling."""
         builder = built.builder
         key = "count", tuple((m.element, len(m.roles)) for m in builder.members.values())
         if key not in self._compiled:
             self._say("count", revision, **Count("counting", "", quick_numbers(builder)).message_data(), advice=[])
-        found = count(builder)
+        dof_count = count(builder)
         self._remember(key)
-        self._tell_count(revision, found, advice(found, things))
-        return found
+        self._tell_count(revision, dof_count, advice(dof_count, items))
+        return dof_count
 
-    def _tell_count(self, revision: int, found: Count, given: list[dict[str, Any]]) -> None:
-        self.counted = {"revision": revision, **found.message_data(), "advice": given}
+    def _tell_count(self, revision: int, dof_count: Count, suggestions: list[dict[str, Any]]) -> None:
+        self.counted = {"revision": revision, **dof_count.message_data(), "advice": suggestions}
         self._say("count", **self.counted)
 
     def _remember(self, key: Any) -> None:
@@ -198,38 +198,38 @@ class Live:
         """Send the last good answers, which are old."""
         self._say("answers", revision, status="failed", message=message, stale=True, **self._good)
 
-    def _answer(self, revision: int, found: Count, document: Any, wants: Wants) -> None:
-        assert found.model is not None
-        answers, announced = Answers(found.model, wants), False
-        kind = _structure(found.model)
-        with heard() as said:
-            said.extend(found.warnings)
+    def _answer(self, revision: int, dof_count: Count, document: Any, wants: Wants) -> None:
+        assert dof_count.model is not None
+        answers, announced = Answers(dof_count.model, wants), False
+        kind = _structure(dof_count.model)
+        with heard() as heard_warnings:
+            heard_warnings.extend(dof_count.warnings)
             for name, analyse in answers.analyses():
                 key = name, kind
                 is_new = key not in self._compiled
                 if is_new and not announced:
                     announced = True
-                    self._computing(revision, **(_so_far(revision, answers, said) if answers.values else {}))
+                    self._computing(revision, **(_so_far(revision, answers, heard_warnings) if answers.values else {}))
                 try:
                     analyse()
                 except (AnalysisError, ModelError, NotImplementedError) as fault:
                     self._failed(revision, str(fault))
-                    self._show(revision, lambda: self._scenes.of_count(found))
+                    self._show(revision, lambda: self._scenes.of_count(dof_count))
                     return
                 self._remember(key)
                 if is_new:
                     if self._is_old():
                         return
-                    self._computing(revision, **_so_far(revision, answers, said))
+                    self._computing(revision, **_so_far(revision, answers, heard_warnings))
                     if name == "frequencies":
                         self._show(revision, lambda: self._scenes.of_answers(answers))
-        self._good = _so_far(revision, answers, said)
+        self._good = _so_far(revision, answers, heard_warnings)
         message = "" if answers.fault is None else str(answers.fault)
-        if message and found.status == "loose":
-            message = found.message
+        if message and dof_count.status == "loose":
+            message = dof_count.message
         self._say("answers", revision, status="ok", message=message, stale=False, **self._good)
-        if answers.fault is not None and (given := mass_advice(found.model)):
-            self._tell_count(revision, found, [*given, *self.counted["advice"]])
+        if answers.fault is not None and (suggestions := mass_advice(dof_count.model)):
+            self._tell_count(revision, dof_count, [*suggestions, *self.counted["advice"]])
         slopes, label = None, ""
         if wants.sensitivity_of is not None:
             ways = self._ways.of(document, answers)
@@ -258,9 +258,9 @@ class Live:
             self._say("scene", revision, of_revision=revision, **scene)
 
 
-def _so_far(revision: int, answers: Answers, said: list[str]) -> dict[str, Any]:
+def _so_far(revision: int, answers: Answers, heard_warnings: list[str]) -> dict[str, Any]:
     """Answers of a revision so far, as copies: the caller sends them while more are computed."""
-    warnings = list(dict.fromkeys(said))
+    warnings = list(dict.fromkeys(heard_warnings))
     return {"of_revision": revision, "values": dict(answers.values), "words": [*answers.words], "warnings": warnings}
 
 

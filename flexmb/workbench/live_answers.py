@@ -10,7 +10,7 @@ import jax
 import numpy as np
 
 from ..arguments import check_choice, check_whole
-from ..display import counted, measured, short
+from ..display import counted, quantity_text, short
 from ..errors import AnalysisError, ModelError
 from ..linear.buckling import Buckling, buckling
 from ..linear.compliance import compliance
@@ -21,7 +21,7 @@ from ..mechanics.loads import has_loads
 from ..model.model import Model
 from ..numerical_limits import FREE_MOTION
 from ..questions.mass import mass
-from ..questions.question import ANGLES, axes_of, unit_of_question
+from ..questions.question import ANGLES, components_of, unit_of_question
 from .traced import answer_of, increment_of
 
 # Number of frequencies and load multipliers.
@@ -111,7 +111,7 @@ class Answers:
     def _add(self, key: str, value: Any, unit: str, label: str = "", text: str | None = None, **more: Any) -> None:
         number = None if value is None else float(value)
         finite = number is not None and math.isfinite(number)
-        text = measured(number, unit) if number is not None and finite and text is None else text or "none"
+        text = quantity_text(number, unit) if number is not None and finite and text is None else text or "none"
         value = number if finite else None
         self.values[key] = {"label": label or key, "value": value, "unit": unit, "text": text, **more}
 
@@ -123,7 +123,7 @@ class Answers:
     def _frequencies(self) -> None:
         self.lin = lin = linearize(self.model, increment=self.increment)
         try:
-            found = self.modes = modes(lin)
+            mode_set = self.modes = modes(lin)
         except NotImplementedError:
             self._poles(lin)
             return
@@ -131,15 +131,15 @@ class Answers:
             self.fault = fault
             self._refused("frequency 1", "Hz", "", fault)
             return
-        values, squares = np.asarray(found.frequencies).tolist(), np.asarray(found.eigenvalues).tolist()
+        values, squares = np.asarray(mode_set.frequencies).tolist(), np.asarray(mode_set.eigenvalues).tolist()
         free = FREE_MOTION * max(map(abs, squares), default=0.0)
         for i, (hertz, square) in enumerate(zip(values[:FREQUENCIES], squares, strict=False), 1):
             unstable = square < -free
             text = f"unstable, ω² = {square:.4g} rad²/s²" if unstable else None
             text = "0 Hz, moves freely" if abs(square) <= free else text
             self._add(f"frequency {i}", hertz, "Hz", text=text, unstable=unstable)
-        if found.massless:
-            self.words.append(f"{counted(found.massless, 'motion')} without mass have no frequency.")
+        if mode_set.massless:
+            self.words.append(f"{counted(mode_set.massless, 'motion')} without mass have no frequency.")
         if not self.model.topology.n_q:
             self.words.append("Nothing can move. There are no frequencies.")
         elif not values:
@@ -148,8 +148,8 @@ class Answers:
     def _poles(self, lin: Linearization) -> None:
         """Poles instead of frequencies, which may be complex if the stiffness has no potential."""
         self.words.append("Loads have no potential: poles replace frequencies.")
-        found = [pole for pole in np.asarray(poles(lin)).tolist() if pole.imag >= 0]
-        for i, pole in enumerate(found[:FREQUENCIES], 1):
+        upper_poles = [pole for pole in np.asarray(poles(lin)).tolist() if pole.imag >= 0]
+        for i, pole in enumerate(upper_poles[:FREQUENCIES], 1):
             text = f"{pole.real:.4g} ± {pole.imag:.4g}i rad/s"
             self._add(f"pole {i}", abs(pole.imag) / (2 * math.pi), "Hz", text=text, unstable=pole.real > 0)
 
@@ -164,11 +164,13 @@ class Answers:
             self.words.append(f"The mechanism has no node '{node}', and so no stiffness there.")
             return
         try:
-            found = np.asarray(compliance(lin, node))
+            compliance_matrix = np.asarray(compliance(lin, node))
         except REFUSED as fault:
             self._refused("stiffness", "N/m", f"stiffness of '{node}'", fault)
             return
-        for axis, entry in zip(axes_of(self.model.labels, node), np.diag(found).tolist(), strict=False):
+        for axis, entry in zip(
+            components_of(self.model.labels, node), np.diag(compliance_matrix).tolist(), strict=False
+        ):
             direction = "in rotation" if axis == "phi" else f"about {axis[1:]}" if axis in ANGLES else f"along {axis}"
             unit = "N m/rad" if axis in ANGLES else "N/m"
             label = f"stiffness of '{node}' {direction}"
@@ -184,7 +186,7 @@ class Answers:
                 nodes.setdefault(entry.of, []).append(i)
         sizes = {name: float(np.linalg.norm(moved[entries])) for name, entries in nodes.items()}
         where = max(sizes, key=lambda name: sizes[name])
-        text = f"{measured(sizes[where], 'm')} of '{where}'"
+        text = f"{quantity_text(sizes[where], 'm')} of '{where}'"
         self._add("displacement", sizes[where], "m", "largest displacement", text, where={"node": where})
         chosen = self.wants.support_node
         for i in nodes.get(chosen or "", ()):
@@ -201,11 +203,11 @@ class Answers:
 
     def _buckling(self) -> None:
         try:
-            found = self.buckled = buckling(self.model, increment=self.increment)
+            buckling_modes = self.buckled = buckling(self.model, increment=self.increment)
         except REFUSED as fault:
             self._refused("multiplier 1", "", "load multiplier", fault)
             return
-        multipliers = np.asarray(found.multipliers).tolist()
+        multipliers = np.asarray(buckling_modes.multipliers).tolist()
         for i, multiplier in enumerate(multipliers[:MULTIPLIERS], 1):
             self._add(f"multiplier {i}", multiplier, "", f"load multiplier {i}", f"{multiplier:.5g}")
         if not multipliers:
@@ -214,24 +216,24 @@ class Answers:
     def _stress(self) -> None:
         assert self.lin is not None
         try:
-            found = self.stress = stress(self.model, at=self.lin)
+            stress_field = self.stress = stress(self.model, at=self.lin)
         except REFUSED as fault:
             self.words.append(f"No stress: {fault}")
             return
-        where = found.where
-        text = f"{measured(float(found.maximum), 'Pa')} in '{where.element}' at {where.place:g}"
+        where = stress_field.where
+        text = f"{quantity_text(float(stress_field.maximum), 'Pa')} in '{where.element}' at {where.place:g}"
         place = {"element": where.element, "place": where.place}
-        self._add("stress", found.maximum, "Pa", "largest stress", text, where=place)
-        if found.strength is not None:
-            used = np.asarray(found.utilisation)
+        self._add("stress", stress_field.maximum, "Pa", "largest stress", text, where=place)
+        if stress_field.strength is not None:
+            used = np.asarray(stress_field.utilisation)
             worst = int(np.argmax(used))
-            text = f"{used[worst]:.4g} in '{found.names[worst]}'"
+            text = f"{used[worst]:.4g} in '{stress_field.names[worst]}'"
             self._add("utilisation", used[worst], "", "stress over strength", text)
 
 
 def _is_loaded(model: Model) -> bool:
     """Whether nonzero loads act."""
     parameters = model.parameters
-    given = [np.asarray(leaf) for leaf in jax.tree.leaves((parameters.loads, parameters.increment, parameters.strain))]
+    leaves = [np.asarray(leaf) for leaf in jax.tree.leaves((parameters.loads, parameters.increment, parameters.strain))]
     elements = any(block.element.force is not None for block in model.topology.blocks)
-    return has_loads(model.topology, parameters) and (elements or any(np.any(leaf) for leaf in given))
+    return has_loads(model.topology, parameters) and (elements or any(np.any(leaf) for leaf in leaves))

@@ -11,17 +11,17 @@ import numpy as np
 
 from ..build.description import AXES
 from ..elements.general import OF_TRIANGLE, STRAINS
-from ..errors import clean
+from ..errors import printable
 from ..model.by_name import TURNS
 from ..numerical_limits import SAME_PLACE
-from .building import Built, build
+from .building import Built, build_document
 from .calls_of import UPPER
 from .content import Document, EditError, Report, checked_text
-from .copies import cloned, moved, selected
+from .copies import cloned, selected, with_position
 from .fields import Call
-from .image import image_of, scalars_of
+from .image import mirror_signs, scalars_of
 from .references import call_of, references, referred
-from .values import negated, reflected, value_in
+from .values import arithmetic_value, negated, reflected
 
 # Strains of a section that change sign where one of its axes is reversed.
 REVERSED = {"y": ("shear_y", "twist", "curvature_z"), "z": ("shear_z", "twist", "curvature_y")}
@@ -36,27 +36,27 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     """
     axis, at = op["axis"], checked_text("", op.get("at", "0"))
     if axis not in AXES[: document.dimension]:
-        raise EditError("", f"The axis is '{clean(axis)}'. It must be {' or '.join(AXES[: document.dimension])}.")
+        raise EditError("", f"The axis is '{printable(axis)}'. It must be {' or '.join(AXES[: document.dimension])}.")
     image = _Image(document, AXES.index(axis), at)
     if not op.get("keep", True):
         ids = {document.thing(id)["id"] for id in op["ids"]}
-        things = [image.of(thing) if thing["id"] in ids else thing for thing in document.things]
-        made = image.with_sections(things, ids, document.data["next"])
-        number = document.data["next"] + len(made) - len(things)
-        return document.with_things(made, next=number), Report([], [], "mirror")
+        items = [image.of(item) if item["id"] in ids else item for item in document.things]
+        mirrored = image.with_sections(items, ids, document.data["next"])
+        number = document.data["next"] + len(mirrored) - len(items)
+        return document.with_things(mirrored, next=number), Report([], [], "mirror")
     chosen = selected(document, op["ids"])
-    shared = {thing["id"]: thing["id"] for thing in chosen if image.is_on_plane(thing)}
-    made, ids = cloned(document, chosen, image.of, shared)
+    shared = {item["id"]: item["id"] for item in chosen if image.is_on_plane(item)}
+    mirrored, ids = cloned(document, chosen, image.of, shared)
     new = set(ids)
-    things = [thing for thing in made.things if thing["id"] in new]
-    rest = [thing for thing in made.things if thing["id"] not in new]
-    things = image.with_sections(things, new, made.data["next"])
-    kept = {thing["id"] for thing in things}
-    number = made.data["next"] + len(kept - new)
-    return made.with_things([*rest, *things], next=number), Report([thing["id"] for thing in things], [], "mirror")
+    items = [item for item in mirrored.things if item["id"] in new]
+    others = [item for item in mirrored.things if item["id"] not in new]
+    items = image.with_sections(items, new, mirrored.data["next"])
+    mirrored_ids = {item["id"] for item in items}
+    number = mirrored.data["next"] + len(mirrored_ids - new)
+    return mirrored.with_things([*others, *items], next=number), Report([item["id"] for item in items], [], "mirror")
 
 
-def _of_image(section: dict[str, Any], turned: bool) -> dict[str, Any]:
+def _mirrored_section(section: dict[str, Any], turned: bool) -> dict[str, Any]:
     """Arguments of a section whose local z is reversed, or whose local y is where that is ``turned``."""
     args = dict(section["args"])
     if section["call"] not in ("Rigidity", "General"):
@@ -76,7 +76,7 @@ class _Image:
 
     def __init__(self, document: Document, axis: int, at: str):
         self.document, self.axis, self.at, self.d = document, axis, at, document.dimension
-        self.built: Built = build(document)
+        self.built: Built = build_document(document)
         self.turned = np.where(np.arange(self.d) == axis, -1.0, 1.0)
 
     def is_on_plane(self, thing: dict[str, Any]) -> bool:
@@ -84,17 +84,17 @@ class _Image:
         if thing["call"] != "node":
             return False
         numbers = self.built.numbers
-        here = numbers.get(f"{thing['id']}/position/{self.axis}")
+        coordinate = numbers.get(f"{thing['id']}/position/{self.axis}")
         position = thing["args"].get("position")
-        if here is None or not isinstance(position, list) or len(position) != self.d:
+        if coordinate is None or not isinstance(position, list) or len(position) != self.d:
             return False
-        there = self._value(reflected(position[self.axis], self.at))
+        image_coordinate = self._value(reflected(position[self.axis], self.at))
         size = max([abs(v) for k, v in numbers.items() if "/position/" in k], default=0.0)
-        return abs(there - here) <= SAME_PLACE * size
+        return abs(image_coordinate - coordinate) <= SAME_PLACE * size
 
     def _value(self, text: str) -> float:
         try:
-            return float(value_in(self.document, text))
+            return float(arithmetic_value(self.document, text))
         except ValueError as fault:
             raise EditError("", f"The plane of the mirror is wrong: {fault}") from None
 
@@ -106,7 +106,7 @@ class _Image:
             return thing
         if "step" in thing["args"]:
             raise EditError(f"{thing['id']}/step", "A body of a STEP file cannot be mirrored. Give its numbers.")
-        thing = moved(thing, self._position)
+        thing = with_position(thing, self._position)
         args = {key: self._argument(call, thing, key, value) for key, value in thing["args"].items()}
         if call.kind == "element":
             args |= self._orientation(call, thing) | self._signs(thing)
@@ -121,17 +121,17 @@ class _Image:
         """Image of a direction, or with sign -1 of an axis of rotation."""
         return [negated(text) if (k == self.axis) is (sign == 1) else text for k, text in enumerate(vector)]
 
-    def _argument(self, call: Call, thing: dict[str, Any], key: str, value: Any) -> Any:
+    def _argument(self, call: Call, item: dict[str, Any], key: str, value: Any) -> Any:
         """Image of an argument; elements and blocks have more methods for arguments that are no vectors."""
         name = call.name.rpartition(".")[2]
         if key in ("value", "velocity") and name in ("prescribe", "start"):
-            return negated(value) if self._sign_of_entry(thing) < 0 else value
+            return negated(value) if self._sign_of_entry(item) < 0 else value
         if key == "values" and name in ("prestress", "strain"):
             values = [value] if isinstance(value, str) else value
-            signs = self._parity(thing, "element")
+            signs = self._parity(item, "element")
             return [negated(text) if sign < 0 else text for text, sign in zip(values, signs, strict=False)]
         if key == "gradient":
-            return self._gradient(thing, value)
+            return self._gradient(item, value)
         kind = call.fields[key]["kind"] if key in call.fields else None
         if kind != "vector" or key in ("position", "change", "breaks", "curvature", "skew", "clamp", "values"):
             return value
@@ -160,11 +160,11 @@ class _Image:
             return negated(value)
         return [negated(value[0])] if len(value) == 1 else [value[0], *self._vector(value[1:], -1)]
 
-    def _orientation(self, call: Call, thing: dict[str, Any]) -> dict[str, Any]:
+    def _orientation(self, call: Call, item: dict[str, Any]) -> dict[str, Any]:
         """The vector y of a spatial element with the default y, if its image has another default."""
-        if "y" not in call.fields or thing["args"].get("y"):
+        if "y" not in call.fields or item["args"].get("y"):
             return {}
-        member = self.built.builder.members.get(thing.get("name", ""))
+        member = self.built.builder.members.get(item.get("name", ""))
         if member is None:
             return {}
         ends = [node.start for n in member.nodes if (node := self.built.builder.nodes[n]).kind.part == "position"]
@@ -173,14 +173,14 @@ class _Image:
             return {}
         return {"y": ["-1" if k == self.axis else "0" for k in range(3)]}
 
-    def _signs(self, thing: dict[str, Any]) -> dict[str, Any]:
+    def _signs(self, item: dict[str, Any]) -> dict[str, Any]:
         """Numbers of an element that change sign, such as a pitch or an initial curvature."""
-        member = self.built.builder.members.get(thing.get("name", ""))
+        member = self.built.builder.members.get(item.get("name", ""))
         known = scalars_of(member) if member is not None else {}
-        args = {key: value for key, value in thing["args"].items() if key in known}
+        args = {key: value for key, value in item["args"].items() if key in known}
         if not args:
             return {}
-        flips, _ = self._image_of(thing["name"], thing["id"])
+        flips, _ = self._image_of(item["name"], item["id"])
         return {
             key: negated(value)
             if isinstance(value, str)
@@ -189,34 +189,34 @@ class _Image:
             if np.any(np.asarray(flips.get(key, 1)) < 0)
         }
 
-    def _parity(self, thing: dict[str, Any], key: str) -> np.ndarray:
+    def _parity(self, item: dict[str, Any], key: str) -> np.ndarray:
         """Sign of each deformation in the image of the element that a thing refers to."""
-        return self._image_of(thing["args"][key], f"{thing['id']}/{key}")[1]
+        return self._image_of(item["args"][key], f"{item['id']}/{key}")[1]
 
     def _image_of(self, name: str, address: str) -> tuple[dict[str, Any], np.ndarray]:
         member = self.built.builder.members.get(name)
         if member is None:
-            raise EditError(address, f"'{clean(name)}' has problems. Solve them before you mirror it.")
+            raise EditError(address, f"'{printable(name)}' has problems. Solve them before you mirror it.")
         nodes = [self.built.builder.nodes[node] for node in member.nodes]
         references = [np.asarray(node.start, float) for node in nodes]
-        found = image_of(member, references, [node.kind for node in nodes], self.axis, self._y_turns(name))
-        if found is None:
-            raise EditError(address, f"'{clean(name)}' ({member.element.name}) has no mirror image of its type.")
-        return found
+        image = mirror_signs(member, references, [node.kind for node in nodes], self.axis, self._y_turns(name))
+        if image is None:
+            raise EditError(address, f"'{printable(name)}' ({member.element.name}) has no mirror image of its type.")
+        return image
 
     def _y_turns(self, name: str) -> bool:
         """Whether the image of an element has a reversed y: elements of blocks."""
         id = self.document.known.thing(("element",), name)
         return id is not None and call_of(self.document.by_id[id]).kind == "block"  # pyright: ignore
 
-    def _sign_of_entry(self, thing: dict[str, Any]) -> int:
+    def _sign_of_entry(self, item: dict[str, Any]) -> int:
         """Sign of the image of the coordinate or deformation that a thing refers to."""
-        of, component = thing["args"].get("of", ""), str(thing["args"].get("component", ""))
-        known, kind = self.document.known, thing["args"].get("kind")
-        is_node = kind == "node" or (kind != "element" and of in self.built.builder.nodes)
-        if not is_node and (kind == "element" or known.thing(("element",), of)):
-            signs = self._parity(thing, "of")
-            number = self.built.builder.members[of].element.number_of(component) or 0
+        owner, component = item["args"].get("of", ""), str(item["args"].get("component", ""))
+        known, kind = self.document.known, item["args"].get("kind")
+        is_node = kind == "node" or (kind != "element" and owner in self.built.builder.nodes)
+        if not is_node and (kind == "element" or known.thing(("element",), owner)):
+            signs = self._parity(item, "of")
+            number = self.built.builder.members[owner].element.number_of(component) or 0
             return int(signs[number - 1]) if 0 < number <= len(signs) else 1
         if component == "rotation":
             return 1 if self.d == 3 else -1
@@ -226,109 +226,116 @@ class _Image:
             return 1 if int(component[1]) - 1 == self.axis else -1
         if component in TURNS:
             return 1 if TURNS.index(component) == self.axis else -1
-        node = self.built.builder.nodes.get(of)
+        node = self.built.builder.nodes.get(owner)
         if node is not None and node.kind.part == "rotation":
             letters = node.kind.components
             letter = letters[int(component) - 1] if component.isdecimal() and 0 < int(component) <= len(letters) else ""
-            inner = {**thing, "args": {**thing["args"], "component": letter or "x"}}
+            inner = {**item, "args": {**item["args"], "component": letter or "x"}}
             return self._sign_of_entry(inner) if letter else 1
         return -1 if component in (AXES[self.axis], str(self.axis + 1)) else 1
 
-    def _gradient(self, thing: dict[str, Any], value: Any) -> Any:
+    def _gradient(self, item: dict[str, Any], value: Any) -> Any:
         """Image of a gradient along local z in the plane, along local y and z in space."""
         if isinstance(value, str):
             return negated(value)
-        turned = 0 if self.d == 2 or self._y_turns(thing["args"].get("element", "")) else 1
+        turned = 0 if self.d == 2 or self._y_turns(item["args"].get("element", "")) else 1
         return [negated(text) if k == turned else text for k, text in enumerate(value)]
 
     def with_sections(self, things: list[dict[str, Any]], ids: set[str], number: int) -> list[dict[str, Any]]:
         """Things, with other sections for images if a section has a product of inertia, or a general stiffness."""
-        known, made = self.document.known, {}
+        known, new_sections = self.document.known, {}
         if self.d == 2:
             return things
-        found = []
-        for thing in things:
-            id = known.thing(("section",), thing["args"].get("section") or "")
+        new_items = []
+        for item in things:
+            id = known.thing(("section",), item["args"].get("section") or "")
             section = self.document.by_id[id] if id else None
-            call = call_of(thing)
-            args = _of_image(section, call is not None and call.kind == "block") if section else None
-            if thing["id"] not in ids or section is None or args == section["args"]:
-                found.append(thing)
+            call = call_of(item)
+            args = _mirrored_section(section, call is not None and call.kind == "block") if section else None
+            if item["id"] not in ids or section is None or args == section["args"]:
+                new_items.append(item)
                 continue
-            if id not in made:
+            if id not in new_sections:
                 name = known.unused("section", f"{section['name']} mirrored")
-                made[id] = {"id": str(number + len(made)), "call": section["call"], "name": name, "args": args}
-            found.append({**thing, "args": {**thing["args"], "section": made[id]["name"]}})
-        return [*made.values(), *found]
+                new_sections[id] = {
+                    "id": str(number + len(new_sections)),
+                    "call": section["call"],
+                    "name": name,
+                    "args": args,
+                }
+            new_items.append({**item, "args": {**item["args"], "section": new_sections[id]["name"]}})
+        return [*new_sections.values(), *new_items]
 
-    def _block(self, thing: dict[str, Any]) -> dict[str, Any]:
+    def _block(self, item: dict[str, Any]) -> dict[str, Any]:
         """Arguments of the image of a block; its points must be the images of the points of the block."""
-        args = thing["args"]
+        args = item["args"]
         default = ["0", "1", "0"][: self.d]
-        found: dict[str, Any] = {}
+        vectors: dict[str, Any] = {}
         along = self._vector(args.get("along") or default)
         if args.get("along") or along != default:
-            found["along"] = along
+            vectors["along"] = along
         if self.d == 3:
             y = [negated(text) for text in self._vector(args.get("y") or ["0", "0", "1"])]
             if args.get("y") or y != ["0", "0", "1"]:
-                found["y"] = y
+                vectors["y"] = y
         scalars = [key for key, value in args.items() if key in ("apart", "fold") and isinstance(value, str)]
-        if self.d == 2 and thing["call"] == "blocks.folded_leaf_spring" and "fold" not in args:
+        if self.d == 2 and item["call"] == "blocks.folded_leaf_spring" and "fold" not in args:
             scalars.append("fold")
-        if thing["id"] not in self.built.made:
-            raise EditError(thing["id"], "The block has problems. Solve them before you mirror it.")
-        wanted = {name: self._reflected(place) for name, place in self._points(self.built, thing).items()}
-        inner = self._inner(thing)
+        if item["id"] not in self.built.made:
+            raise EditError(item["id"], "The block has problems. Solve them before you mirror it.")
+        image_points = {name: self._reflected(place) for name, place in self._points(self.built, item).items()}
+        inner = self._inner(item)
         for flips in sorted(itertools.product((False, True), repeat=len(scalars)), key=sum):
             flipped = [key for key, flip in zip(scalars, flips, strict=True) if flip]
             signs = {key: negated(args.get(key, repr(np.pi / 2))) for key in flipped}
-            trial = {**thing, "args": {**args, **found, **signs}}
-            if self._agrees(self._points_alone(trial), wanted, inner):
-                return {**found, **signs}
-        name = clean(thing["name"])
-        raise EditError(thing["id"], f"Block '{name}' has no mirror image as a block. Explode it first.")
+            trial = {**item, "args": {**args, **vectors, **signs}}
+            if self._agrees(self._points_alone(trial), image_points, inner):
+                return {**vectors, **signs}
+        name = printable(item["name"])
+        raise EditError(item["id"], f"Block '{name}' has no mirror image as a block. Explode it first.")
 
-    def _inner(self, thing: dict[str, Any]) -> set[str]:
+    def _inner(self, item: dict[str, Any]) -> set[str]:
         """Names of the block's own nodes that other things refer to."""
-        found, start = set(), f"{thing['name']} "
+        inner_names, start = set(), f"{item['name']} "
         for other in self.document.things:
             known = referred(self.document.known, other)
             for address, _, name in references(other):
-                if known.get(address) == thing["id"] and other is not thing and name.startswith(start):
-                    found.add(name.removeprefix(start))
-        return found - {""}
+                if known.get(address) == item["id"] and other is not item and name.startswith(start):
+                    inner_names.add(name.removeprefix(start))
+        return inner_names - {""}
 
     def _points(self, built: Built, block: dict[str, Any]) -> dict[str, np.ndarray]:
         """Places of the nodes that a block makes and that begin with its name."""
-        made = [call.positional for call in built.made.get(block["id"], []) if call.method == "node"]
-        return {name: np.asarray(place, float) for name, place in made if name.startswith(f"{block['name']} ")}
+        placements = [call.positional for call in built.made.get(block["id"], []) if call.method == "node"]
+        return {name: np.asarray(place, float) for name, place in placements if name.startswith(f"{block['name']} ")}
 
     def _reflected(self, point: np.ndarray) -> np.ndarray:
         return self.turned * point + np.where(np.arange(self.d) == self.axis, 2 * self._value(self.at), 0.0)
 
-    def _points_alone(self, thing: dict[str, Any]) -> dict[str, np.ndarray]:
+    def _points_alone(self, item: dict[str, Any]) -> dict[str, np.ndarray]:
         """Points of a block on the image of its base."""
         known = self.document.known
         records = [t for t in self.document.things if (c := call_of(t)) and c.makes in ("section", "material")]
-        base = thing["args"].get("base", "")
+        base = item["args"].get("base", "")
         start = self.built.builder.nodes.get(base)
         if start is None or known.thing(("node",), base) is None:
-            raise EditError(f"{thing['id']}/base", "The block has problems. Solve them before you mirror it.")
+            raise EditError(f"{item['id']}/base", "The block has problems. Solve them before you mirror it.")
         place = self._reflected(np.asarray(start.start, float))
         node = {"id": "0", "call": "node", "name": base, "args": {"position": [repr(float(v)) for v in place]}}
-        return self._points(build(self.document.with_things([*records, node, thing])), thing)
+        return self._points(build_document(self.document.with_things([*records, node, item])), item)
 
-    def _agrees(self, found: dict[str, np.ndarray], wanted: dict[str, np.ndarray], inner: set[str]) -> bool:
+    def _agrees(
+        self, trial_points: dict[str, np.ndarray], image_points: dict[str, np.ndarray], inner: set[str]
+    ) -> bool:
         """Whether points are the same; by name if other things refer to the inner points."""
-        if set(found) != set(wanted) or not wanted:
+        if set(trial_points) != set(image_points) or not image_points:
             return False
-        size = max(float(np.max(np.abs(p))) for p in wanted.values()) or 1.0
-        by_name = all(np.max(np.abs(found[n] - wanted[n])) <= SAME_PLACE * size for n in wanted)
+        size = max(float(np.max(np.abs(p))) for p in image_points.values()) or 1.0
+        by_name = all(np.max(np.abs(trial_points[n] - image_points[n])) <= SAME_PLACE * size for n in image_points)
         if inner or by_name:
             return by_name
         grid = 10 * SAME_PLACE * size
-        rows = [sorted(np.round(p / grid).tolist() for p in points.values()) for points in (found, wanted)]
+        rows = [sorted(np.round(p / grid).tolist() for p in points.values()) for points in (trial_points, image_points)]
         return bool(np.allclose(rows[0], rows[1], rtol=0, atol=2))
 
 

@@ -9,11 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from ..errors import clean
+from ..errors import printable
 from ..files import read_whole
 from .document import Document
-from .filing import Opened, difference, files_of, opened, received, write
-from .places import Storage, place_of
+from .filing import Opened, difference, files_of, opened, received, write_document
+from .places import Storage, file_place
 from .undo import History
 
 # Time between two looks at the file [s].
@@ -73,23 +73,23 @@ class OpenFile:
 
     def open(self, path: Path, key: str | None) -> list[str]:
         """Replace the document by a file, as one step; notes about it."""
-        found = opened(path)
-        self._take(found, path, f"Open {clean(path.name)}", key)
-        return found.notes
+        file_content = opened(path)
+        self._take(file_content, path, f"Open {printable(path.name)}", key)
+        return file_content.notes
 
     def receive(self, name: str, text: str, key: str | None) -> list[str]:
         """Replace the document by a text, as one step; notes about it."""
-        found = received(name, text)
-        self._take(found, None, f"Open {clean(name)}", key)
-        return found.notes
+        file_content = received(name, text)
+        self._take(file_content, None, f"Open {printable(name)}", key)
+        return file_content.notes
 
     def take(self, key: str | None) -> list[str]:
         """Replace the document by the file, or by an empty one without a file, as one step; notes about it."""
         path = self.path
-        found = opened(path) if path else Opened(Document.empty(self.history.document.dimension), [])
-        self._take(found, path, f"Take {clean(path.name)} from the disk" if path else "Begin anew", key)
+        file_content = opened(path) if path else Opened(Document.empty(self.history.document.dimension), [])
+        self._take(file_content, path, f"Take {printable(path.name)} from the disk" if path else "Begin anew", key)
         self._settle()
-        return found.notes
+        return file_content.notes
 
     def keep(self) -> None:
         """Keep the document; the next save overwrites the change of another program."""
@@ -102,9 +102,9 @@ class OpenFile:
         """Write the document; a file that can be opened again becomes the file of the document."""
         if path == self.path and (changed := self._watch.differs()):
             self._changed_on_disk(changed[0])
-            name = clean(path.name)
+            name = printable(path.name)
             raise ChangedError(f"Another program has changed '{name}'. Choose which content stays, and save again.")
-        notes = write(self.history.document, path)
+        notes = write_document(self.history.document, path)
         if path.suffix != ".py":
             self.history.mark_saved(str(path))
             self.know()
@@ -121,15 +121,15 @@ class OpenFile:
             if self.place is not None and not keep and self.path is None:
                 self.place.leave()
 
-    def _take(self, found: Opened, path: Path | None, label: str, key: str | None) -> None:
-        self.history.replace(found.document, label, None if path is None else str(path), key)
+    def _take(self, file_content: Opened, path: Path | None, label: str, key: str | None) -> None:
+        self.history.replace(file_content.document, label, None if path is None else str(path), key)
         self.know()
         if path is not None:
             self._move_to(path)
 
     def _move_to(self, path: Path) -> None:
         """Move the journal to the place of another file."""
-        place = place_of(path)
+        place = file_place(path)
         if self.place is None or place == self.place or place.is_taken():
             return
         old, self.place = self.place, place
@@ -189,7 +189,7 @@ class Watch:
         with self._lock:
             for path in paths:
                 if path not in self._known:
-                    self._known[path] = content_of(path)
+                    self._known[path] = content_digest(path)
             self._watched = paths
             self._seen, self._read, self._told = {}, {}, {}
         if not self._thread.is_alive() and not self._ended.is_set() and paths:
@@ -199,7 +199,7 @@ class Watch:
         """Files whose contents are not known."""
         with self._lock:
             known = {path: self._known[path] for path in self._watched}
-        return [path for path, content in known.items() if content_of(path) != content]
+        return [path for path, content in known.items() if content_digest(path) != content]
 
     def close(self) -> None:
         """End the watch; a second call does nothing."""
@@ -223,7 +223,7 @@ class Watch:
             self._seen[path] = look
         if not at_rest:
             return False
-        content = content_of(path)
+        content = content_digest(path)
         with self._lock:
             if path not in self._watched:
                 return False
@@ -232,7 +232,7 @@ class Watch:
         return content not in (last, self._known[path])
 
 
-def content_of(path: Path) -> str | None:
+def content_digest(path: Path) -> str | None:
     """Digest of a file's content, or None."""
     with contextlib.suppress(OSError):
         return hashlib.sha256(read_whole(path)).hexdigest()

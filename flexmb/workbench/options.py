@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import clean
-from ..spacar.arithmetic import value_of
+from ..errors import printable
+from ..spacar.arithmetic import arithmetic_result
 from .building import free_names, numbers_of, positions
 from .document import Document
 from .references import call_of
@@ -31,9 +31,9 @@ def _choice(name: str, choices: list[str], doc: str, default: str = "", *, must:
 def _coordinates(document: Document) -> list[str]:
     """Coordinates of nodes that are not fixed as a whole."""
     fixed = {
-        thing["args"].get("node")
-        for thing in document.things
-        if thing["call"] == "fix" and not str(thing["args"].get("components", "")).strip()
+        item["args"].get("node")
+        for item in document.things
+        if item["call"] == "fix" and not str(item["args"].get("components", "")).strip()
     }
     names = [name for name in positions(document) if name not in fixed]
     axes = ("x", "y", "phi") if document.dimension == 2 else ("x", "y", "z")
@@ -84,7 +84,7 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
 
 def missing(need: str, document: Document) -> str | None:
     """What a document lacks for an analysis, and what to add; None if nothing."""
-    calls = [call_of(thing) for thing in document.things]
+    calls = [call_of(item) for item in document.things]
     groups = {call.entry["group"] for call in calls if call}
     names = {call.name for call in calls if call}
     if need == "loads" and "load" not in groups and "prescribe" not in names:
@@ -101,32 +101,32 @@ def missing(need: str, document: Document) -> str | None:
     return None
 
 
-def checked(analysis: Mapping[str, Any], options: Mapping[str, Any], document: Document) -> dict[str, Any]:
+def checked_options(analysis: Mapping[str, Any], options: Mapping[str, Any], document: Document) -> dict[str, Any]:
     """Options as numbers and words, with their defaults."""
     fields = {field["name"]: field for field in analysis["fields"]}
     for name in options:
         if name not in fields:
             listed = ", ".join(fields) or "none"
-            raise ValueError(f"'{analysis['title']}' has no option '{clean(name)}'. There are: {listed}.")
-    numbers, found = numbers_of(document), {}
+            raise ValueError(f"'{analysis['title']}' has no option '{printable(name)}'. There are: {listed}.")
+    numbers, values = numbers_of(document), {}
     names = {n: numbers[f"names/{n}/value"] for n in document.names if f"names/{n}/value" in numbers}
     for name, field in fields.items():
         text = str(options.get(name) or field["default"]).strip()
         if not text:
-            found[name] = None
+            values[name] = None
         elif field["kind"] == "number":
             try:
-                value = float(value_of(text, names))
+                value = float(arithmetic_result(text, names))
             except ValueError as fault:
-                raise ValueError(f"Option '{name}': '{clean(text)}' {fault}.") from None
+                raise ValueError(f"Option '{name}': '{printable(text)}' {fault}.") from None
             least = 1 if field.get("whole") else -np.inf
             if value < least or (field.get("whole") and value != int(value)):
-                raise ValueError(f"Option '{name}' must be a whole number, 1 or more, not '{clean(text)}'.")
+                raise ValueError(f"Option '{name}' must be a whole number, 1 or more, not '{printable(text)}'.")
             if name in ("end", "duration", "rtol", "to") and not value > 0:
-                raise ValueError(f"Option '{name}' must be positive, not '{clean(text)}'.")
-            found[name] = int(value) if field.get("whole") else value
+                raise ValueError(f"Option '{name}' must be positive, not '{printable(text)}'.")
+            values[name] = int(value) if field.get("whole") else value
         elif text in field["choices"]:
-            found[name] = text
+            values[name] = text
         else:
-            raise ValueError(f"Option '{name}' must be one of {', '.join(field['choices'])}, not '{clean(text)}'.")
-    return found
+            raise ValueError(f"Option '{name}' must be one of {', '.join(field['choices'])}, not '{printable(text)}'.")
+    return values

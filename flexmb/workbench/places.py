@@ -22,9 +22,9 @@ class Storage(NamedTuple):
     def known(self) -> dict[str, Any]:
         """Data of the last workbench here: "port" and "token"; empty if there was none."""
         with contextlib.suppress(OSError, ValueError):
-            found = json.loads(self._about.read_text(encoding="utf-8"))
-            if isinstance(found, dict) and isinstance(found.get("port"), int) and isinstance(found.get("token"), str):
-                return found
+            data = json.loads(self._about.read_text(encoding="utf-8"))
+            if isinstance(data, dict) and isinstance(data.get("port"), int) and isinstance(data.get("token"), str):
+                return data
         return {}
 
     def take(self, port: int, token: str) -> None:
@@ -49,28 +49,28 @@ class Storage(NamedTuple):
         connection = http.client.HTTPConnection("127.0.0.1", known["port"], timeout=2)
         try:
             connection.request("GET", path)
-            there = connection.getresponse().status == 200
+            is_answering = connection.getresponse().status == 200
         except (OSError, ValueError, http.client.HTTPException):
-            there = False
+            is_answering = False
         finally:
             connection.close()
-        return f"http://127.0.0.1:{known['port']}{path}" if there else None
+        return f"http://127.0.0.1:{known['port']}{path}" if is_answering else None
 
     @property
     def _about(self) -> Path:
         return self.journal.with_suffix(".json")
 
 
-def place_of(file: Path) -> Storage:
+def file_place(file: Path) -> Storage:
     """Place of a file."""
     path = os.path.realpath(file)
     return Storage(_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
 
 
-def left_place() -> Storage | None:
+def unsaved_storage() -> Storage | None:
     """Place of the last new mechanism that was never saved, or None."""
-    found = (path for path in journals(_folder()) if path.name[:1].isdigit())
-    return next(map(Storage, found), None)
+    paths = (path for path in journals(_folder()) if path.name[:1].isdigit())
+    return next(map(Storage, paths), None)
 
 
 def new_place() -> Storage:

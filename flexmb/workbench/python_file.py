@@ -8,11 +8,11 @@ from typing import Any
 
 import flexmb
 
-from ..errors import clean
+from ..errors import printable
 from ..spacar.arithmetic import names_in
-from .building import Arguments, arranged, build, free_names, numbers_of
+from .building import Arguments, build_document, call_arguments, free_names, numbers_of
 from .document import Document
-from .references import call_of, called
+from .references import call_and_name, call_of
 
 # Words that no variable of the script may have.
 RESERVED = {*keyword.kwlist, *keyword.softkwlist, *dir(builtins), "fm", "planar", "spatial", "pi"}
@@ -31,7 +31,7 @@ class _Script:
 
     def __init__(self, document: Document):
         self.document = document
-        self.built = build(document)
+        self.built = build_document(document)
         self.values = numbers_of(document)
         self.taken = set(RESERVED)
         self.function = self._variable(document.data["title"] or "mechanism", "mechanism")
@@ -43,8 +43,8 @@ class _Script:
     def text(self) -> str:
         """The whole script."""
         # In the order of building: each thing after the things that it refers to.
-        things = [self.document.by_id[id] for id in self.built.made]
-        lines = [line for thing in things for line in self._lines(thing)]
+        items = [self.document.by_id[id] for id in self.built.made]
+        lines = [line for item in items for line in self._lines(item)]
         body = [*self._derived(), f"{self.b} = fm.Builder()", *lines, f"return {self.b}.build()"]
         text = "\n".join("    " + part for line in body for part in line.split("\n"))
         rooms = [room for room in ("planar", "spatial") if re.search(rf"\b{room}\.", text)]
@@ -55,7 +55,7 @@ class _Script:
         head_of_function = f"def {self.function}({parameters}):"
         if len(head_of_function) > WIDEST:
             head_of_function = f"def {self.function}(\n    " + parameters.replace(", ", ",\n    ") + ",\n):"
-        title = clean(self.document.data["title"] or "mechanism")
+        title = printable(self.document.data["title"] or "mechanism")
         return "\n".join(
             [
                 _docstring(f"{title}, from the workbench of flexmb."),
@@ -83,12 +83,12 @@ class _Script:
         word = re.sub(r"\W+", "_", name.strip()).strip("_") or otherwise
         word = word if word.isidentifier() else f"{otherwise}_{word}"
         word = word if word.isidentifier() else otherwise
-        found, number = word, 1
-        while found in self.taken:
+        variable, number = word, 1
+        while variable in self.taken:
             number += 1
-            found = f"{word}_{number}" if number > 2 else f"{word}_"
-        self.taken.add(found)
-        return found
+            variable = f"{word}_{number}" if number > 2 else f"{word}_"
+        self.taken.add(variable)
+        return variable
 
     def _free(self) -> list[str]:
         return [name for name in free_names(self.document) if f"names/{name}/value" in self.values]
@@ -99,26 +99,26 @@ class _Script:
         for name in self._free():
             low, high = (self.document.names[name].get(bound) for bound in ("low", "high"))
             if low and high:
-                bounds.append(f"{self.names[name]}: from {clean(low)} to {clean(high)}.")
+                bounds.append(f"{self.names[name]}: from {printable(low)} to {printable(high)}.")
         return "\n\n".join([f"Model of {title}.", "\n".join(bounds)]) + "\n" if bounds else f"Model of {title}."
 
     def _left_out(self) -> list[str]:
-        things = self.document.by_id
-        problems = {f"{called(things, p['address'])}: {p['message']}" for p in self.built.problems}
+        items = self.document.by_id
+        problems = {f"{call_and_name(items, p['address'])}: {p['message']}" for p in self.built.problems}
         reported = {p["address"].partition("/")[0] for p in self.built.problems}
         others = [id for id in self.built.skipped if id not in reported]
-        problems |= {f"{called(things, id)}: the thing that it refers to is left out" for id in others}
-        return [f"# Left out: {clean(' '.join(text.split()))}" for text in sorted(problems)] + [""] * bool(problems)
+        problems |= {f"{call_and_name(items, id)}: the thing that it refers to is left out" for id in others}
+        return [f"# Left out: {printable(' '.join(text.split()))}" for text in sorted(problems)] + [""] * bool(problems)
 
     def _derived(self) -> list[str]:
         """Names that follow from others, each after those names."""
-        free, lines, done = set(self._free()), [], set(self._free())
+        free, lines, defined = set(self._free()), [], set(self._free())
         waiting = [n for n in self.document.names if n not in free and f"names/{n}/value" in self.values]
         while waiting:
             ready = [n for n in waiting if set(names_in(self.document.names[n]["value"])) & set(waiting) == set()]
             lines += [f"{self.names[n]} = {self._number(f'names/{n}/value')}" for n in ready]
-            done |= set(ready)
-            waiting = [n for n in waiting if n not in done]
+            defined |= set(ready)
+            waiting = [n for n in waiting if n not in defined]
         return lines
 
     def _number(self, address: str) -> str:
@@ -130,24 +130,24 @@ class _Script:
             for step in address.split("/")[1:]:
                 tree = tree[int(step)] if isinstance(tree, list) else tree[step]
         text = LEADING_ZEROS.sub("", " ".join(str(tree).split()))
-        return NAME.sub(lambda found: self.names.get(found.group(), found.group()), text)
+        return NAME.sub(lambda match: self.names.get(match.group(), match.group()), text)
 
-    def _lines(self, thing: dict[str, Any]) -> list[str]:
-        call: Any = call_of(thing)
-        by_place, by_name = arranged(call, thing.get("name"), self.arguments.of(call, thing, lambda *_: None))
+    def _lines(self, item: dict[str, Any]) -> list[str]:
+        call: Any = call_of(item)
+        by_place, by_name = call_arguments(call, item.get("name"), self.arguments.of(call, item, lambda *_: None))
         place = "fm" if hasattr(flexmb, call.name.partition(".")[0]) else "fm.sections"
-        made = [f"{place}.{call.name}", self.b]
+        parts = [f"{place}.{call.name}", self.b]
         if call.kind in ("constant", "record"):
-            self.arguments.records[thing["id"]] = variable = Source(self._variable(thing["name"], str(call.makes)))
-            made = [f"{variable} = {made[0]}"]
+            self.arguments.records[item["id"]] = variable = Source(self._variable(item["name"], str(call.makes)))
+            parts = [f"{variable} = {parts[0]}"]
             if call.kind == "constant":
-                return made
+                return parts
         elif call.kind == "element":
-            made = [f"{self.b}.add", call.name]
+            parts = [f"{self.b}.add", call.name]
         elif call.kind == "method":
-            made = [f"{self.b}.{call.name}"]
-        args = [*made[1:], *map(_written, by_place), *(f"{key}={_written(value)}" for key, value in by_name.items())]
-        return [_wrapped(made[0], args)]
+            parts = [f"{self.b}.{call.name}"]
+        args = [*parts[1:], *map(_written, by_place), *(f"{key}={_written(value)}" for key, value in by_name.items())]
+        return [_wrapped(parts[0], args)]
 
 
 class Source(str):
@@ -163,7 +163,7 @@ def _written(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_written, value))}]"
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{_written(key)}: {_written(one)}' for key, one in value.items())}}}"
+        return f"{{{', '.join(f'{_written(key)}: {_written(entry)}' for key, entry in value.items())}}}"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 

@@ -28,10 +28,10 @@ def call_of(thing: dict[str, Any]) -> Call | None:
     return calls().get(thing["call"])
 
 
-def called(things: Mapping[str, dict[str, Any]], address: str) -> str:
+def call_and_name(things: Mapping[str, dict[str, Any]], address: str) -> str:
     """Call and name of the thing at an address, or the address itself if no thing has it."""
-    thing = things.get(address.partition("/")[0])
-    return address if thing is None else f"{thing['call']} {thing.get('name') or ''}".strip()
+    item = things.get(address.partition("/")[0])
+    return address if item is None else f"{item['call']} {item.get('name') or ''}".strip()
 
 
 def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], str]]:
@@ -70,41 +70,41 @@ class Names:
         made: Id of the building block that makes a node as its stage, by the name of the node.
     """
 
-    def __init__(self, things: list[dict[str, Any]]):
+    def __init__(self, items: list[dict[str, Any]]):
         self.by_space: dict[str, dict[str, str]] = {}
         self.made: dict[str, str] = {}
-        for thing in things:
-            call = call_of(thing)
+        for item in items:
+            call = call_of(item)
             if call is None:
                 continue
-            if call.makes and thing.get("name"):
-                self.by_space.setdefault(call.makes, {}).setdefault(thing["name"], thing["id"])
-            if stage := stage_of(thing):
-                self.made.setdefault(stage, thing["id"])
+            if call.makes and item.get("name"):
+                self.by_space.setdefault(call.makes, {}).setdefault(item["name"], item["id"])
+            if stage := stage_of(item):
+                self.made.setdefault(stage, item["id"])
         self._blocks = sorted(self.by_space.get("block", {}).items(), key=lambda pair: -len(pair[0]))
 
     def thing(self, spaces: tuple[str, ...], name: str) -> str | None:
         """Id of the thing that a name such as "A.rotation" or "pivot leaf 1" means; None if none or two match."""
-        found = self.exactly(spaces, name)
-        if found or not {"node", "element"} & set(spaces):
-            return found
-        if "node" in spaces and (found := self.made.get(name) or self.made.get(_without_part(name))):
-            return found
+        item_id = self.exactly(spaces, name)
+        if item_id or not {"node", "element"} & set(spaces):
+            return item_id
+        if "node" in spaces and (item_id := self.made.get(name) or self.made.get(_without_part(name))):
+            return item_id
         for start in (TURN_OF, FRAME_OF):
-            if name.startswith(start) and (found := self.exactly(("node",), name.removeprefix(start))):
-                return found
+            if name.startswith(start) and (item_id := self.exactly(("node",), name.removeprefix(start))):
+                return item_id
         return next((id for block, id in self._blocks if name.startswith(f"{block} ")), None)
 
     def first(self, spaces: tuple[str, ...], name: str) -> str | None:
         """The same in the first namespace with such a name: parts of sensors are nodes first."""
-        return next((found for space in spaces if (found := self.thing((space,), name))), None)
+        return next((item_id for space in spaces if (item_id := self.thing((space,), name))), None)
 
     def exactly(self, spaces: tuple[str, ...], name: str) -> str | None:
         """The same for the name of a thing itself, or of its rotation, its warping or its coordinates."""
         for plain in dict.fromkeys((name, _without_part(name))):
-            found = {self.by_space.get(space, {}).get(plain) for space in spaces} - {None}
-            if len(found) == 1:
-                return found.pop()
+            ids = {self.by_space.get(space, {}).get(plain) for space in spaces} - {None}
+            if len(ids) == 1:
+                return ids.pop()
         return None
 
     def unused(self, space: str, name: str) -> str:
@@ -118,41 +118,41 @@ def _without_part(name: str) -> str:
     return next((name.removesuffix(part) for part in PARTS if name.endswith(part)), name)
 
 
-def part_of(names: Names, text: str) -> tuple[str, str, str]:
+def sensor_part(names: Names, text: str) -> tuple[str, str, str]:
     """A part of a sensor, such as "velocity A.x", as quantity, name and component."""
-    of, point, component = text.rpartition(".")
+    prefix, point, component = text.rpartition(".")
     if not point:
         return "", text, ""
-    words = of.split(" ")
+    words = prefix.split(" ")
     for count in range(len(words)):
         name = " ".join(words[count:])
         if names.first(("node", "element"), name):
             before = " ".join(words[:count])
             return before + " " if before else "", name, f".{component}"
-    return "", of, f".{component}"
+    return "", prefix, f".{component}"
 
 
 def dependent(names: Names, things: list[dict[str, Any]], gone: set[str]) -> list[str]:
     """Ids of the things that refer to things with some ids, directly or through others, in order."""
-    needs = {thing["id"]: set(referred(names, thing).values()) for thing in things}
+    needs = {item["id"]: set(referred(names, item).values()) for item in things}
     everything = set(gone)
-    while along := {id for id, of in needs.items() if id not in everything and of & everything}:
+    while along := {id for id, targets in needs.items() if id not in everything and targets & everything}:
         everything |= along
-    return [thing["id"] for thing in things if thing["id"] in everything - gone]
+    return [item["id"] for item in things if item["id"] in everything - gone]
 
 
 def referred(names: Names, thing: dict[str, Any]) -> dict[str, str | None]:
     """Id of the thing that each reference means, by its address within the thing; None if no thing matches."""
-    found = {}
+    targets = {}
     for address, spaces, written in references(thing):
-        name = part_of(names, written)[1] if address.startswith("weights/") else written
+        name = sensor_part(names, written)[1] if address.startswith("weights/") else written
         field = address.partition("/")[0]
         known = (names.first if field == "weights" else names.thing)(spaces, name)
         if known == thing["id"] and field == "stage":
             # The block makes this node.
             continue
-        found[address] = known
-    return found
+        targets[address] = known
+    return targets
 
 
 def with_references(thing: dict[str, Any], names: Names, changed: Callable[[str, str], str | None]) -> dict[str, Any]:
@@ -160,7 +160,7 @@ def with_references(thing: dict[str, Any], names: Names, changed: Callable[[str,
     args, new_names = thing["args"], {}
     for address, spaces, written in references(thing):
         weight = address.startswith("weights/")
-        before, name, after = part_of(names, written) if weight else ("", written, "")
+        before, name, after = sensor_part(names, written) if weight else ("", written, "")
         known = (names.first if weight else names.thing)(spaces, name)
         new = changed(known, name) if known else None
         if new is not None and new != name:
@@ -174,14 +174,14 @@ def replaced(tree: Any, path: list[str], value: Any) -> Any:
     """A tree of dictionaries and lists with another value at a path; KeyError if the path passes something else."""
     if not path:
         return value
-    head, *rest = path
+    head, *inner_path = path
     if isinstance(tree, dict):
-        return {**tree, head: replaced(tree.get(head), rest, value)}
+        return {**tree, head: replaced(tree.get(head), inner_path, value)}
     if not re.fullmatch(r"\d{1,4}", head) or not (tree is None or isinstance(tree, list)):
         raise KeyError(head)
     entries, k = list(tree or []), int(head)
     entries += [""] * (k + 1 - len(entries))
-    entries[k] = replaced(entries[k] if not rest or isinstance(entries[k], list) else None, rest, value)
+    entries[k] = replaced(entries[k] if not inner_path or isinstance(entries[k], list) else None, inner_path, value)
     return entries
 
 

@@ -22,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from importlib.resources import files
 from typing import Any
 
-from ..errors import AnalysisError, clean
+from ..errors import AnalysisError, printable
 from .jobs import PATIENCE
 from .session import Refused, Session
 
@@ -33,8 +33,8 @@ LONGEST_MESSAGE, LONGEST_FRAME = 4_000_000, 16_000_000
 class Page:
     """One connected page and its queue. A slow page receives only the newest message of each kind."""
 
-    def __init__(self, own: Any):
-        self.socket = own
+    def __init__(self, web_socket: Any):
+        self.socket = web_socket
         self.waiting: dict[Hashable, str] = {}
         self.filled = asyncio.Event()
         self.replies = 0
@@ -65,7 +65,7 @@ def guarded(work: Callable[..., Any], *arguments: Any) -> Any:
     except Refused:
         raise
     except OSError as fault:
-        raise Refused(f"'{clean(fault.filename)}': {fault.strerror}." if fault.filename else str(fault)) from fault
+        raise Refused(f"'{printable(fault.filename)}': {fault.strerror}." if fault.filename else str(fault)) from fault
     except (AnalysisError, ImportError, ValueError) as fault:
         raise Refused(str(fault), getattr(fault, "address", None)) from fault
     except Exception as fault:
@@ -80,32 +80,32 @@ def parsed(text: str | bytes) -> tuple[int, str, dict[str, Any]]:
     if len(text) > LONGEST_MESSAGE:
         raise Refused(f"The message has {len(text)} letters. It may have {LONGEST_MESSAGE} at most.")
     try:
-        found = json.loads(text, parse_constant=_no_constant)
+        message = json.loads(text, parse_constant=_no_constant)
         if "\\ud" in text.lower():
-            json.dumps(found, ensure_ascii=False).encode()
+            json.dumps(message, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as fault:
         raise Refused(f"The message is no JSON: {type(fault).__name__}: {fault}") from None
-    if not isinstance(found, dict):
+    if not isinstance(message, dict):
         raise Refused("The message is no object. It needs 'id' and 'do'.")
-    number, verb = found.pop("id", None), found.pop("do", None)
+    number, verb = message.pop("id", None), message.pop("do", None)
     if type(number) is not int or not 0 <= number < 2**53:
         raise Refused("The message has no 'id'. It needs a whole number.")
     if not isinstance(verb, str):
         raise Refused("The message has no 'do'. It needs a verb.")
-    return number, verb, found
+    return number, verb, message
 
 
 def number_of(text: Any) -> int | None:
     """Number of a refused message, if it begins with one."""
-    found = re.match(r'\s*\{\s*"id"\s*:\s*(\d{1,15})\s*[,}]', text[:100]) if isinstance(text, str) else None
-    return int(found[1]) if found else None
+    match = re.match(r'\s*\{\s*"id"\s*:\s*(\d{1,15})\s*[,}]', text[:100]) if isinstance(text, str) else None
+    return int(match[1]) if match else None
 
 
 def _no_constant(word: str) -> Any:
     raise ValueError(f"{word} is no number of JSON.")
 
 
-def refused(number: int | None, fault: Refused) -> str:
+def refusal_reply(number: int | None, fault: Refused) -> str:
     """Reply with what is wrong."""
     return written({"re": number, "ok": False, "problem": fault.problem})
 
@@ -122,12 +122,12 @@ def written(message: dict[str, Any]) -> str:
 
 LOOPBACK = "127.0.0.1"
 # Number of kept replies to one page, for requests that are sent again after a lost connection, and of such pages.
-KEPT_REPLIES = 200
-KEPT_PAGES = 50
+MOST_REPLIES = 200
+MOST_PAGES = 50
 # Requests of one page at once; more wait.
 MOST_UNDER_WAY = 50
 # Number of jobs whose last state a new page receives.
-KEPT_JOBS = 30
+MOST_JOBS = 30
 FILES = {
     "": ("page.html", "text/html"),
     "page.css": ("page.css", "text/css"),
@@ -228,7 +228,7 @@ class Server:
         self._last.pop(key, None)
         self._last[key] = text
         jobs = [other for other in self._last if isinstance(other, tuple) and other[1] is not None]
-        for old in jobs[:-KEPT_JOBS]:
+        for old in jobs[:-MOST_JOBS]:
             del self._last[old]
         for page in self._pages:
             page.push(key, text)
@@ -236,7 +236,7 @@ class Server:
     def _request(self, connection: Any, request: Any) -> Any:
         """Answer a request for a file, refuse a wrong one, or let the socket open (None)."""
         hosts, path = request.headers.get_all("Host"), request.path.partition("?")[0]
-        if len(hosts) != 1 or not _is_here(hosts[0]):
+        if len(hosts) != 1 or not _is_local_host(hosts[0]):
             return self._refusal(connection, 403, "The host is wrong. Use 127.0.0.1 or localhost.")
         token, _, name = path.removeprefix("/").partition("/")
         if not hmac.compare_digest(token.encode(), self.token.encode()):
@@ -275,7 +275,7 @@ class Server:
                 try:
                     number, verb, arguments = parsed(text)
                 except Refused as fault:
-                    page.reply(refused(number_of(text), fault))
+                    page.reply(refusal_reply(number_of(text), fault))
                     continue
                 if verb == "hello":
                     name = str(arguments.pop("page", ""))[:100]
@@ -292,17 +292,17 @@ class Server:
 
     def _asked(self, page: Page, name: str, number: int, verb: str, arguments: dict[str, Any]) -> asyncio.Task:
         """Do a request once, however often it is sent, and reply."""
-        kept = self._replies.setdefault(name, {}) if name else {}
-        task = kept.get(number) if verb != "hello" else None
+        tasks = self._replies.setdefault(name, {}) if name else {}
+        task = tasks.get(number) if verb != "hello" else None
         if task is None:
             key = f"{name}/{number}" if name else None
-            task = kept[number] = asyncio.create_task(self._reply(number, verb, arguments, key))
-            while len(kept) > KEPT_REPLIES:
-                del kept[next(iter(kept))]
-        while len(self._replies) > KEPT_PAGES:
+            task = tasks[number] = asyncio.create_task(self._reply(number, verb, arguments, key))
+            while len(tasks) > MOST_REPLIES:
+                del tasks[next(iter(tasks))]
+        while len(self._replies) > MOST_PAGES:
             del self._replies[next(iter(self._replies))]
 
-        def done(task: asyncio.Task) -> None:
+        def send_reply(task: asyncio.Task) -> None:
             if task.cancelled():
                 return
             page.reply(task.result())
@@ -311,18 +311,18 @@ class Server:
                 for key, text in self._last.items():
                     page.push(key, text)
 
-        task.add_done_callback(done)
+        task.add_done_callback(send_reply)
         return task
 
     async def _reply(self, number: int, verb: str, arguments: dict[str, Any], key: str | None) -> str:
         assert self._loop is not None
         try:
-            found = await self._loop.run_in_executor(self._desk, guarded, self.session.ask, verb, arguments, key)
-            if callable(found):
-                found = await self._loop.run_in_executor(self._beside, guarded, found)
-            return written({"re": number, "ok": True, **found})
+            content = await self._loop.run_in_executor(self._desk, guarded, self.session.ask, verb, arguments, key)
+            if callable(content):
+                content = await self._loop.run_in_executor(self._beside, guarded, content)
+            return written({"re": number, "ok": True, **content})
         except Refused as fault:
-            return refused(number, fault)
+            return refusal_reply(number, fault)
 
 
 def _websockets() -> None:
@@ -336,19 +336,19 @@ def _websockets() -> None:
 
 def _listening(port: int) -> socket.socket:
     # Only on a socket with the protocol TCP does asyncio send small messages without waiting (40 ms).
-    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
+    listener = socket.socket(socket.AF_INET, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         if os.name == "posix":
             # The port of an ended process is free; on other systems the option would share a taken port.
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        found.bind((LOOPBACK, port))
-        found.listen()
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind((LOOPBACK, port))
+        listener.listen()
     except OSError:
-        found.close()
+        listener.close()
         raise
-    return found
+    return listener
 
 
-def _is_here(host: str) -> bool:
+def _is_local_host(host: str) -> bool:
     """Whether a Host header names this machine; a tunnel may have another port."""
     return re.fullmatch(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", host, re.ASCII | re.IGNORECASE) is not None

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
-from ..errors import ModelError, clean
-from .building import Built, build, numbers_of, positions
+from ..errors import ModelError, printable
+from .building import Built, build_document, numbers_of, positions
 from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
@@ -31,7 +31,7 @@ from .wants import label_of, number_like
 PACE, DIGITS = 0.1, 6
 
 
-class Shown:
+class VisibleJob:
     """A job whose designs become the document, by operations for ``write``."""
 
     def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
@@ -114,29 +114,29 @@ class Session:
         """Do a request of a page."""
         method = getattr(self, f"do_{verb}", None) if verb.isidentifier() else None
         if method is None:
-            raise Refused(f"There is no verb '{clean(verb)}'.")
+            raise Refused(f"There is no verb '{printable(verb)}'.")
         signature = inspect.signature(method)
         try:
-            given = signature.bind(**arguments, **({"key": key} if "key" in signature.parameters else {}))
+            bound = signature.bind(**arguments, **({"key": key} if "key" in signature.parameters else {}))
         except TypeError as fault:
             raise Refused(f"{verb}: {fault}.") from None
         with self._lock:
             if key is not None and key in self.history.requests:
                 # A killed process did this before it could reply.
                 return self._reply(self.history.requests[key])
-            return method(*given.args, **given.kwargs) or {}
+            return method(*bound.args, **bound.kwargs) or {}
 
     def built(self, document: Document | None = None) -> Built:
         """The built document, built once."""
         document = document or self.history.document
         known = self._built
         if known is None or known[0] is not document:
-            self._built = known = document, build(document)
+            self._built = known = document, build_document(document)
         return known[1]
 
     def builder(self) -> Any:
         """A new builder with the present mechanism; ModelError with all problems if something cannot be built."""
-        built = build(self.history.document)
+        built = build_document(self.history.document)
         if built.problems:
             raise ModelError("\n".join(problem["message"] for problem in built.problems))
         return built.builder
@@ -186,10 +186,10 @@ class Session:
     def do_advise(self, index: int, key: str | None = None) -> Any:
         """Carry out a piece of advice."""
         counted = self.live.counted
-        given = counted.get("advice", [])
-        if counted.get("revision") != self.history.revision or not 0 <= index < len(given):
+        suggestions = counted.get("advice", [])
+        if counted.get("revision") != self.history.revision or not 0 <= index < len(suggestions):
             raise Refused("The mechanism has changed since this advice. Look at the new advice.")
-        return self._changed(self.history.edit(given[index]["ops"], given[index]["text"], None, key))
+        return self._changed(self.history.edit(suggestions[index]["ops"], suggestions[index]["text"], None, key))
 
     def do_target(self, wants: list, free: list) -> dict[str, Any]:
         """Find dimensions that meet targets, as one step that moves during the search."""
@@ -201,10 +201,10 @@ class Session:
                 self._changed(self.history.edit(ops, label, merge))
 
         def work(job: Job) -> dict[str, Any]:
-            found = meet(document, wants, free, Shown(job, document, lambda ops: written(ops, label)), node)
-            if found["ops"]:
-                written(found["ops"], label)
-            return found
+            result = meet(document, wants, free, VisibleJob(job, document, lambda ops: written(ops, label)), node)
+            if result["ops"]:
+                written(result["ops"], label)
+            return result
 
         return {"job": self.jobs.start("target", work)}
 
@@ -213,14 +213,14 @@ class Session:
         from .fit_table import fitted_names
 
         document, node = self.history.document, self.wants.support_node
-        return {"job": self.jobs.start("fit", lambda job: fitted_names(document, clean(name), text, free, node))}
+        return {"job": self.jobs.start("fit", lambda job: fitted_names(document, printable(name), text, free, node))}
 
     def do_run(self, analysis: str, options: dict | None = None) -> dict[str, Any]:
         """Run an analysis."""
         from .analyses import run
 
         document = self.history.document
-        return {"job": self.jobs.start(clean(analysis), lambda job: run(document, analysis, options or {}, job))}
+        return {"job": self.jobs.start(printable(analysis), lambda job: run(document, analysis, options or {}, job))}
 
     def do_pin(self) -> None:
         """Keep this design for comparison."""
@@ -289,13 +289,13 @@ class Session:
             self._tell_changes()
         return notes
 
-    def _reply(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
-        done = {"label": found} if found is None or isinstance(found, str) else found._asdict()
-        return {"revision": self.history.revision, **done, **more}
+    def _reply(self, report: Report | str | None, **more: Any) -> dict[str, Any]:
+        content = {"label": report} if report is None or isinstance(report, str) else report._asdict()
+        return {"revision": self.history.revision, **content, **more}
 
-    def _changed(self, found: Report | str | None, **more: Any) -> dict[str, Any]:
+    def _changed(self, report: Report | str | None, **more: Any) -> dict[str, Any]:
         self._tell_changes()
-        return self._reply(found, **more)
+        return self._reply(report, **more)
 
     def _stepped(self, label: str | None) -> dict[str, Any]:
         self.file.follow()
@@ -331,11 +331,11 @@ class Session:
 
     def _tell_offered(self) -> None:
         """Send the analyses of the present document, after all else, since they load much of the package."""
-        from .analyses import offered
+        from .analyses import offered_analyses
 
-        if (found := offered(self.history.document)) != self._offered:
-            self._offered = found
-            self.tell({"tell": "analyses", "analyses": found})
+        if (offers := offered_analyses(self.history.document)) != self._offered:
+            self._offered = offers
+            self.tell({"tell": "analyses", "analyses": offers})
 
     def _tell_pinned(self) -> None:
         pinned, known = self._pinned, self._answers

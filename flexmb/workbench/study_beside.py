@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..design.study_file import LARGEST_FILE, parameters_in
-from ..errors import ModelError, StudyError, clean
+from ..errors import ModelError, StudyError, printable
 from ..files import read_whole
 from .building import free_names, numbers_of
 from .document import Document
-from .formulas import text_of
+from .formulas import number_text
 
 # Number of studies in a folder that are considered.
 MOST = 50
@@ -23,21 +23,22 @@ def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
 
     The study has the name of the file with .toml, or else it is another study in the folder with this model.
     """
-    own = path.with_suffix(".toml")
-    others = sorted(study for study in path.parent.glob("*.toml") if study != own)[:MOST]
-    for study in [own, *others]:
+    own_study = path.with_suffix(".toml")
+    others = sorted(study for study in path.parent.glob("*.toml") if study != own_study)[:MOST]
+    for study in [own_study, *others]:
         try:
-            model, found, functions = parameters_in(study)
+            model, parameters, functions = parameters_in(study)
         except (OSError, StudyError):
-            if study == own and own.is_file():
+            if study == own_study and own_study.is_file():
                 raise
             continue
         if (path.parent / model).name != path.name or ":" in model.removesuffix(".dat"):
             continue
         notes = [
-            f"{clean(study.name)} names Python functions, which the workbench never runs: {clean(', '.join(functions))}"
+            f"{printable(study.name)} names Python functions, which the workbench never runs:"
+            f" {printable(', '.join(functions))}"
         ]
-        return found, notes * bool(functions)
+        return parameters, notes * bool(functions)
     return {}, []
 
 
@@ -55,15 +56,15 @@ def write_beside(document: Document, path: Path) -> str | None:
         text = read_whole(study, LARGEST_FILE).decode("utf-8-sig")
         before = tomllib.loads(text)
     except ValueError as fault:
-        raise ModelError(f"{clean(study.name)} beside the file is no study: {clean(fault)}") from None
+        raise ModelError(f"{printable(study.name)} beside the file is no study: {printable(fault)}") from None
     if (model := before.get("model")) != path.name:
-        name, other = clean(study.name), clean(repr(model))
+        name, other = printable(study.name), printable(repr(model))
         raise ModelError(f"{name} beside the file is the study of another model, {other}. Choose another name.")
     written = _with_parameters(text, lines)
     after = tomllib.loads(written)
-    rest = [{key: value for key, value in data.items() if key != "parameters"} for data in (before, after)]
-    if rest[0] != rest[1]:
-        raise ModelError(f"[parameters] of {clean(study.name)} cannot be replaced. Write it as one table.")
+    other_tables = [{key: value for key, value in data.items() if key != "parameters"} for data in (before, after)]
+    if other_tables[0] != other_tables[1]:
+        raise ModelError(f"[parameters] of {printable(study.name)} cannot be replaced. Write it as one table.")
     return written
 
 
@@ -77,32 +78,32 @@ def _parameters(document: Document) -> list[str]:
             continue
         value, low, high = (known.get(f"{address}/{key}") for key in ("value", "low", "high"))
         key = name if re.fullmatch("[A-Za-z0-9_]+", name) else json.dumps(name, ensure_ascii=False)
-        shown = _number(value)
+        entry_text = _number(value)
         if low is not None and high is not None and low < high:
-            shown = f"{{ value = {shown}, lower = {_number(low)}, upper = {_number(high)} }}"
-        lines.append(f"{key} = {shown}")
+            entry_text = f"{{ value = {entry_text}, lower = {_number(low)}, upper = {_number(high)} }}"
+        lines.append(f"{key} = {entry_text}")
     return ["[parameters]", *lines] if lines else []
 
 
 def _number(value: Any) -> str:
-    text = text_of(float(value))
+    text = number_text(float(value))
     return repr(float(value)) if text == "pi" else text
 
 
 def _with_parameters(text: str, lines: list[str]) -> str:
     """The text of a study with other parameters."""
-    kept: list[str] = []
+    other_lines: list[str] = []
     place, inside = None, False
     for line in text.splitlines():
         if head := HEAD.fullmatch(line):
             inside = head.group(1).partition(".")[0].strip() == "parameters"
             if inside and place is None:
-                place = len(kept)
+                place = len(other_lines)
         if not inside:
-            kept.append(line)
+            other_lines.append(line)
     if place is None:
-        place = len(kept)
+        place = len(other_lines)
         lines = ["", *lines] if lines else []
-    elif lines and place < len(kept):
+    elif lines and place < len(other_lines):
         lines = [*lines, ""]
-    return "\n".join([*kept[:place], *lines, *kept[place:]]) + "\n"
+    return "\n".join([*other_lines[:place], *lines, *other_lines[place:]]) + "\n"

@@ -12,19 +12,19 @@ import numpy as np
 from ..design.evaluate import layout_of
 from ..design.problem import make_problem
 from ..design.scaling import Scaling
-from ..design.search import search
+from ..design.search import search_from
 from ..display import listed
-from ..errors import ModelError, clean, heard
+from ..errors import ModelError, heard, printable
 from ..mechanics.loads import has_loads
 from ..numerical_limits import AT_BOUND, TARGET_AGAINST, TARGET_MET, TARGET_NEARLY, TARGET_TO_ROUND_OFF
-from ..plot.geometry import extent_of
+from ..plot.geometry import point_extent
 from ..progress import Stopped
 from ..questions.question import Asked
 from ..results import RESULTS
-from .building import build, numbers_of, positions
+from .building import build_document, numbers_of, positions
 from .document import Document, apply
 from .traced import Traced, question_of, traced
-from .wants import checked_free, number_like, text_of, unit_of, wants_of
+from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
 
 # Default bounds of a name: its value divided and multiplied by this.
 WIDE = 5.0
@@ -83,7 +83,7 @@ class _Tuning:
         self.size = np.where(log, np.log(np.where(log, upper, 1.0) / np.where(log, lower, 1.0)), 1.0)
         self.keys = list(dict.fromkeys(want.key for want in self.wants))
         model = self._model()
-        idle = [key for key in self.keys if _is_of_loads(key)]
+        idle = [key for key in self.keys if _depends_on_loads(key)]
         if idle and not has_loads(model.topology, model.parameters):
             raise ValueError(f"No load acts, so there is no {idle[0]}. Add a force, a moment or gravity.")
         self.traced: Traced = traced(document, model, self.keys, node)
@@ -95,7 +95,7 @@ class _Tuning:
         self.count, self.told_at, self.paused, self.failed = 0, 0.0, 0.0, RESULTS.successful
 
     def _model(self) -> Any:
-        built = build(self.document)
+        built = build_document(self.document)
         if built.problems:
             raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
         return built.builder.build()
@@ -150,9 +150,9 @@ class _Tuning:
             self.paused += wait
         self.told_at = time.monotonic()
         by_key = self._by_key(values)
-        text = ", ".join(f"{key} {text_of(value, unit_of(key))}" for key, value in by_key.items())
-        done = min(0.95, self.count / 40) if missed > TARGET_MET else 0.98
-        self.job.tell(fraction=done, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
+        text = ", ".join(f"{key} {answer_text(value, answer_unit(key))}" for key, value in by_key.items())
+        fraction = min(0.95, self.count / 40) if missed > TARGET_MET else 0.98
+        self.job.tell(fraction=fraction, text=text, design=dict(zip(self.free, x.tolist(), strict=True)), values=by_key)
 
     def run(self) -> None:
         """Search like ``fm.tune`` for the least change, then for the targets alone, or for the nearest design."""
@@ -181,12 +181,12 @@ class _Tuning:
             by_key = self._by_key(values)
             # A limit that is reached stays reached, from inside.
             inside = {"equal": 0.0, "least": TARGET_MET, "most": -TARGET_MET}
-            near = {
+            active_targets = {
                 want.key: want.value + inside[want.kind] * abs(want.value)
                 for want in self.wants
                 if want.kind == "equal" or want.missed(by_key[want.key]) > -10 * TARGET_NEARLY
             }
-            self._search(values, near, {}, {}, x, BUDGET_NEAREST)
+            self._search(values, active_targets, {}, {}, x, BUDGET_NEAREST)
             if self.best[0] >= missed:
                 return
 
@@ -196,18 +196,18 @@ class _Tuning:
         """Search like ``fm.tune``; :meth:`evaluate` keeps the best design."""
         layout = layout_of({**dict.fromkeys(self.keys, 0.0), "change": np.zeros(len(self.free))})
         start = np.concatenate([values, np.zeros(len(self.free))])
-        wanted: dict[str, Any] = {"targets": targets, "equal": equal, "limits": limits}
-        problem = make_problem(layout, start, minimize=None, maximize=None, **wanted, margin=TARGET_NEARLY)
+        conditions: dict[str, Any] = {"targets": targets, "equal": equal, "limits": limits}
+        problem = make_problem(layout, start, minimize=None, maximize=None, **conditions, margin=TARGET_NEARLY)
         unit = self.scaling.to_unit(begin)
-        search(problem, self.kernel, _untraced, _none_refused, unit, None, TARGET_NEARLY, budget)
+        search_from(problem, self.kernel, _untraced, _none_refused, unit, None, TARGET_NEARLY, budget)
 
     def _refuse_without_effect(self, values: np.ndarray, slopes: np.ndarray) -> None:
         for want in self.wants:
             i = self.keys.index(want.key)
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
-                now = text_of(float(values[i]), want.unit)
+                present = answer_text(float(values[i]), want.unit)
                 raise ValueError(
-                    f"{want} cannot be met. It is {now}, and {listed(self.free)} has no effect on it. Let another"
+                    f"{want} cannot be met. It is {present}, and {listed(self.free)} has no effect on it. Let another"
                     " dimension vary: write a name instead of a number."
                 )
 
@@ -219,27 +219,27 @@ class _Tuning:
         rank, x, values, _ = self.best
         ops, design = self._written(x)
         met = rank <= TARGET_MET
-        wanted = ", ".join(map(str, self.wants))
+        targets_text = ", ".join(map(str, self.wants))
         before = self.document.names
         changes = [f"{op['name']} = {op['to']['value']} (was {before[op['name']]['value']})" for op in ops]
         if met and not ops:
-            text = f"{wanted}: already met."
+            text = f"{targets_text}: already met."
         elif met:
-            text = f"{wanted}: met with {', '.join(changes)}."
+            text = f"{targets_text}: met with {', '.join(changes)}."
         elif stopped:
-            text = f"Stopped on the way to {wanted}. Nearest so far: {', '.join(changes) or 'as it is'}."
+            text = f"Stopped on the way to {targets_text}. Nearest so far: {', '.join(changes) or 'as it is'}."
         else:
             text = self._why(x, values)
         changed = {op["name"] for op in ops}
         for name, (low, high) in [pair for pair in self.assumed.items() if pair[0] in changed]:
-            text += f" '{clean(name)}' has no bounds. The search used {low:.4g} to {high:.4g}."
+            text += f" '{printable(name)}' has no bounds. The search used {low:.4g} to {high:.4g}."
         return {
             "status": "done" if met else "stopped" if stopped else "failed",
             "text": text,
             "design": design,
             "values": self._by_key(values),
             "ops": ops,
-            "label": f"target {wanted}",
+            "label": f"target {targets_text}",
             "met": met,
             "stopped": stopped,
             "assumed": {name: list(pair) for name, pair in self.assumed.items()},
@@ -249,12 +249,12 @@ class _Tuning:
         """Which targets are not met, the nearest values, and what limits them."""
         by_key, unit = self._by_key(values), self.scaling.to_unit(x)
         bad = [w for w in self.wants if w.missed(by_key[w.key]) > TARGET_MET]
-        reached = [f"{want} is not reached: it comes to {text_of(by_key[want.key], want.unit)}" for want in bad]
+        reached = [f"{want} is not reached: it comes to {answer_text(by_key[want.key], want.unit)}" for want in bad]
         limits = []
         for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
             if min(u, 1 - u) < AT_BOUND:
                 side, bound = ("lower", low) if u < 0.5 else ("upper", high)
-                limits.append(f"{clean(name)} is at its {side} bound {bound:g}")
+                limits.append(f"{printable(name)} is at its {side} bound {bound:g}")
         for want in self.wants:
             if want not in bad and want.missed(by_key[want.key]) > -TARGET_AGAINST:
                 limits.append(f"{want} stands against it")
@@ -289,17 +289,17 @@ def bounds_of(document: Document, name: str, numbers: Mapping[str, Any]) -> tupl
     """Bounds of a name, and whether one is a default."""
     value = float(numbers[f"names/{name}/value"])
     known = [numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
-    size = abs(value) * WIDE if value else 0.5 * extent_of(np.array(list(positions(document).values())))
+    size = abs(value) * WIDE if value else 0.5 * point_extent(np.array(list(positions(document).values())))
     wide = sorted((value / WIDE, value * WIDE)) if value else [-size, size]
     low, high = (float(w if bound is None else bound) for bound, w in zip(known, wide, strict=True))
     if not low < high:
-        raise ValueError(f"The bounds of '{clean(name)}' are {low:g} and {high:g}. The upper must be larger.")
+        raise ValueError(f"The bounds of '{printable(name)}' are {low:g} and {high:g}. The upper must be larger.")
     if not low <= value <= high:
-        raise ValueError(f"'{clean(name)}' is {value:g}, outside its bounds {low:g} to {high:g}. Widen them.")
+        raise ValueError(f"'{printable(name)}' is {value:g}, outside its bounds {low:g} to {high:g}. Widen them.")
     return (low, high), None in known
 
 
-def _is_of_loads(key: str) -> bool:
+def _depends_on_loads(key: str) -> bool:
     with contextlib.suppress(KeyError):
         return Asked(question_of(key, "")).question.of_loads
     return False
@@ -313,6 +313,6 @@ def _none_refused(units: np.ndarray) -> np.ndarray:
     return np.zeros(len(units), bool)
 
 
-def applied(document: Document, result: Mapping[str, Any]) -> Document:
+def with_met_targets(document: Document, result: Mapping[str, Any]) -> Document:
     """A document with the result of :func:`meet`."""
     return apply(document, result["ops"])[0]

@@ -13,15 +13,15 @@ from jaxtyping import Array
 
 from ..compilation.compile import jit
 from ..design.evaluate import build_once, flat_function, layout_of
-from ..design.possible import refusal
+from ..design.possible import refusal_of_designs
 from ..design.sensitivities import REVERSE_COST
-from ..errors import clean
+from ..errors import printable
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
-from ..questions.question import asked, names_of
+from ..questions.question import asked, question_names
 from ..results import RESULTS
-from ..spacar.arithmetic import is_number
-from .building import build, free_names, numbers_of, structure
+from ..spacar.arithmetic import is_number_text
+from .building import build_document, free_names, numbers_of, structure
 from .document import Document
 from .edits import texts
 
@@ -39,14 +39,14 @@ def answer_of(key: str, node: str | None = None) -> Answer:
     except (KeyError, ValueError):
         question = None
     if question is None or not question.question.differentiable:
-        known = ", ".join(names_of())
-        raise ValueError(f"'{clean(key)}' has no derivatives by the dimensions. Answers with derivatives: {known}.")
+        known = ", ".join(question_names())
+        raise ValueError(f"'{printable(key)}' has no derivatives by the dimensions. Answers with derivatives: {known}.")
 
     def answer(lin: Linearization) -> Any:
         try:
             return question(lin)
         except KeyError as fault:
-            raise ValueError(f"{clean(key)}: {clean(fault.args[0])}.") from None
+            raise ValueError(f"{printable(key)}: {printable(fault.args[0])}.") from None
 
     return answer
 
@@ -57,7 +57,7 @@ def question_of(key: str, node: str | None = None) -> str:
     if kind not in ("stiffness", "displacement") or not which or "." in which:
         return key
     if node is None:
-        raise ValueError(f"'{clean(key)}' belongs to a node. Select a node.")
+        raise ValueError(f"'{printable(key)}' belongs to a node. Select a node.")
     return f"{kind} {node}.{which}"
 
 
@@ -77,14 +77,16 @@ class Traced:
     def __init__(self, document: Document, model: Model, keys: Sequence[str], node: str | None):
         self.names, self.keys = tuple(free_names(document)), tuple(keys)
         # Numeric fields without names vary within a structure.
-        plain = [address for address, text in texts(document) if is_number(text) and not address.startswith("names/")]
+        plain = [
+            address for address, text in texts(document) if is_number_text(text) and not address.startswith("names/")
+        ]
         self._document, self._plain = document, plain
         functions = {key: answer_of(key, node) for key in keys}
         layout = layout_of({"free": np.zeros(len(self.names)), "plain": np.zeros(len(self._plain))})
         example = dict(zip(layout.names, self._inputs(document), strict=True))
         models = build_once(self._built, example)
         function, _ = flat_function(self._linearized, functions, layout, models)
-        self._refused = refusal(self._built, models, example)
+        self._refused = refusal_of_designs(self._built, models, example)
 
         def of_names(free: Array, plain: Array):
             values, code = function(jnp.concatenate([free, plain]))
@@ -96,7 +98,7 @@ class Traced:
     def _built(self, free: Any, plain: Any) -> Model:
         numbers = numbers_of(self._document, dict(zip(self.names, free, strict=True)))
         numbers |= dict(zip(self._plain, plain, strict=True))
-        return build(self._document, numbers).builder.build()
+        return build_document(self._document, numbers).builder.build()
 
     def _linearized(self, free: Any, plain: Any) -> Linearization:
         model = self._built(free, plain)
@@ -123,13 +125,15 @@ class Traced:
         return answers
 
 
-_KEPT: dict[Any, Traced] = {}
+_TRACED: dict[Any, Traced] = {}
 _LOCK = threading.Lock()
 
 
 def clamps_of(model: Model) -> tuple[tuple[bool, ...], ...]:
     """Whether ends of leaf springs and warping beams are clamped, for each block with such ends."""
-    properties = [own["clamped"] for own in model.parameters.properties if "clamped" in own]
+    properties = [
+        block_properties["clamped"] for block_properties in model.parameters.properties if "clamped" in block_properties
+    ]
     return tuple(tuple((np.asarray(clamped) == 1).ravel().tolist()) for clamped in properties)
 
 
@@ -137,8 +141,8 @@ def traced(document: Document, model: Model, keys: Sequence[str], node: str | No
     """The function of the free names of a document, kept for its structure."""
     key = (structure(document), tuple(model.q_labels), clamps_of(model), tuple(keys), node)
     with _LOCK:
-        found = _KEPT.pop(key, None) or Traced(document, model, keys, node)
-        _KEPT[key] = found
-        while len(_KEPT) > MOST:
-            del _KEPT[next(iter(_KEPT))]
-    return found
+        traced_function = _TRACED.pop(key, None) or Traced(document, model, keys, node)
+        _TRACED[key] = traced_function
+        while len(_TRACED) > MOST:
+            del _TRACED[next(iter(_TRACED))]
+    return traced_function

@@ -21,7 +21,7 @@ from ..files import naming
 from .document import Document, EditError, Report, apply
 
 # Number of remembered requests: a request that is sent again is done once.
-KEPT_REQUESTS = 1000
+MOST_REQUESTS = 1000
 # Faults of a damaged line of a journal.
 UNREADABLE = (EditError, ValueError, KeyError, TypeError, AttributeError, IndexError, RecursionError)
 
@@ -143,10 +143,10 @@ class History:
         self.document = document
         self.revision += 1
 
-    def _go(self, source: list[_Step], other: list[_Step], what: str, key: str | None) -> str | None:
+    def _go(self, source: list[_Step], other: list[_Step], direction: str, key: str | None) -> str | None:
         if not source:
             return None
-        self._write({what: True, "key": key})
+        self._write({direction: True, "key": key})
         step = source.pop()
         other.append(_Step(step.label, self.document, None, step.file and (self.file,)))
         self.document = step.before
@@ -155,10 +155,10 @@ class History:
         self._remember(key, step.label)
         return step.label
 
-    def _remember(self, key: str | None, found: Report | str | None) -> None:
+    def _remember(self, key: str | None, report: Report | str | None) -> None:
         if key is not None:
-            self.requests[key] = found
-            while len(self.requests) > KEPT_REQUESTS:
+            self.requests[key] = report
+            while len(self.requests) > MOST_REQUESTS:
                 del self.requests[next(iter(self.requests))]
 
     def _replay(self, line: dict[str, Any]) -> None:
@@ -210,35 +210,35 @@ def recover(path: str | os.PathLike) -> History:
     are recovered, and a copy of the journal stays beside it.
     """
     path = Path(path)
-    found, whole, count = None, 0, 0
+    history, valid_bytes, count = None, 0, 0
     content = path.read_bytes()
     for raw in content.splitlines(keepends=True):
         try:
             line = json.loads(raw) if raw.endswith(b"\n") else {}
-            if found is None:
-                found = History(Document.from_data(line["document"]), file=line.get("file"))
+            if history is None:
+                history = History(Document.from_data(line["document"]), file=line.get("file"))
             elif line:
-                found._replay(line)
+                history._replay(line)
             else:
                 break
         except UNREADABLE:
             break
-        whole, count = whole + len(raw), count + 1
-    if found is None:
+        valid_bytes, count = valid_bytes + len(raw), count + 1
+    if history is None:
         raise EditError("", f"'{path}' is no journal of the workbench.")
-    if lost := content[whole:].count(b"\n"):
+    if lost := content[valid_bytes:].count(b"\n"):
         copy = unreadable(path)
         with naming(copy):
             shutil.copyfile(path, copy)
             copy.chmod(0o600)
-        found.damage = (
-            f"The journal of this mechanism is damaged at line {count + 1}. {len(found.undo_labels)} steps before it"
+        history.damage = (
+            f"The journal of this mechanism is damaged at line {count + 1}. {len(history.undo_labels)} steps before it"
             f" are recovered. {lost} lines are lost. The whole journal is kept as '{copy}'."
         )
     with open(path, "r+b") as file:
-        file.truncate(whole)
-    found._open(path, "a")
-    return found
+        file.truncate(valid_bytes)
+    history._open(path, "a")
+    return history
 
 
 def unreadable(path: Path) -> Path:
@@ -249,8 +249,8 @@ def unreadable(path: Path) -> Path:
 
 def journals(folder: Path) -> list[Path]:
     """Journals that ended processes left behind, the newest first."""
-    found = sorted(folder.glob("*.jsonl"), key=lambda path: path.stat().st_mtime, reverse=True)
-    return [path for path in found if not is_locked(path)]
+    paths = sorted(folder.glob("*.jsonl"), key=lambda path: path.stat().st_mtime, reverse=True)
+    return [path for path in paths if not is_locked(path)]
 
 
 def new_journal(folder: str | os.PathLike) -> Path:
@@ -262,10 +262,10 @@ def new_journal(folder: str | os.PathLike) -> Path:
 
 def journal_folder() -> Path:
     """Folder of journals: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
-    if given := os.environ.get("FLEXMB_STATE"):
-        return Path(given)
-    if given := os.environ.get("FLEXMB_CACHE"):
-        return Path(given) / "workbench"
+    if folder := os.environ.get("FLEXMB_STATE"):
+        return Path(folder)
+    if folder := os.environ.get("FLEXMB_CACHE"):
+        return Path(folder) / "workbench"
     return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "flexmb" / "workbench"
 
 

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from decimal import Decimal, InvalidOperation
 from typing import Any
 
-from ..errors import clean
-from ..spacar.arithmetic import is_number, names_in, value_of
+from ..errors import printable
+from ..spacar.arithmetic import arithmetic_result, is_number_text, names_in
 from .content import Document
 from .edits import numbers
 from .references import call_of, replaced
@@ -42,7 +42,7 @@ def negated(a: str) -> str:
     return f"-{_term(a)}"
 
 
-def times(a: str, b: str) -> str:
+def text_product(a: str, b: str) -> str:
     """Product a * b."""
     x, y = _decimal(a), _decimal(b)
     if x is not None and y is not None:
@@ -56,22 +56,22 @@ def times(a: str, b: str) -> str:
 
 def reflected(a: str, at: str) -> str:
     """2 at - a."""
-    return minus(times("2", at), a)
+    return minus(text_product("2", at), a)
 
 
-def between(a: str, b: str, place: str) -> str:
+def text_between(a: str, b: str, place: str) -> str:
     """Text of a + place (b - a)."""
-    return a if a.strip() == b.strip() else plus(a, times(place, minus(b, a)))
+    return a if a.strip() == b.strip() else plus(a, text_product(place, minus(b, a)))
 
 
 def _decimal(text: str) -> Decimal | None:
-    if not is_number(text):
+    if not is_number_text(text):
         return None
     try:
-        found = Decimal("".join(text.split()))
+        number = Decimal("".join(text.split()))
     except InvalidOperation:
         return None
-    return found if found.is_finite() else None
+    return number if number.is_finite() else None
 
 
 def _text(number: Decimal) -> str:
@@ -86,7 +86,7 @@ def _text(number: Decimal) -> str:
 
 def _is_term(text: str) -> bool:
     """Whether a text is one name, one number, or one parenthesis."""
-    if text.strip().isidentifier() or (is_number(text) and not text.strip().startswith(("-", "+"))):
+    if text.strip().isidentifier() or (is_number_text(text) and not text.strip().startswith(("-", "+"))):
         return True
     if not text.startswith("(") or not text.endswith(")"):
         return False
@@ -107,15 +107,15 @@ def _term(text: str, *, signs: bool = False) -> str:
 
 def free_names(document: Document) -> list[str]:
     """Names whose values are numbers, for sliders and tuning."""
-    return [name for name, own in document.names.items() if is_number(own["value"])]
+    return [name for name, entry in document.names.items() if is_number_text(entry["value"])]
 
 
-def numbers_of(document: Document, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
+def numeric_values(document: Document, names: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Values of numeric fields and names ("names/t/value") by address; ``names`` replaces values of free names."""
     return dict(evaluated(document, names)[0])
 
 
-def value_in(document: Document, text: str) -> Any:
+def arithmetic_value(document: Document, text: str) -> Any:
     """Value of arithmetic with the names of a document; ValueError if it has none."""
     values: dict[str, Any] = {}
     for name in document.names:
@@ -132,31 +132,31 @@ def evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tup
     return _evaluated(document, given)
 
 
-def _evaluated(document: Document, given: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    values, faults, found = {}, {}, {}
+def _evaluated(document: Document, name_values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
+    values, faults, by_address = {}, {}, {}
     for name in document.names:
-        _evaluate_name(document, name, given, values, faults)
+        _evaluate_name(document, name, name_values, values, faults)
     for name in document.names:
         for bound in ("low", "high"):
             address, text = f"names/{name}/{bound}", document.names[name].get(bound)
             if text is not None and text.strip():
                 try:
-                    found[address] = _value(text, values, document)
+                    by_address[address] = _value(text, values, document)
                 except ValueError as fault:
                     faults[address] = str(fault)
         if name in values:
-            found[f"names/{name}/value"] = values[name]
-    for thing in document.things:
-        for path, text in numbers(thing):
-            address = f"{thing['id']}/{path}"
+            by_address[f"names/{name}/value"] = values[name]
+    for item in document.things:
+        for path, text in numbers(item):
+            address = f"{item['id']}/{path}"
             try:
-                found[address] = _value(text, values, document)
+                by_address[address] = _value(text, values, document)
             except ValueError as fault:
                 faults[address] = str(fault)
-    return found, faults
+    return by_address, faults
 
 
-def _evaluate_name(document: Document, name: str, given: Mapping[str, Any], values: dict, faults: dict) -> None:
+def _evaluate_name(document: Document, name: str, name_values: Mapping[str, Any], values: dict, faults: dict) -> None:
     """Value of a name after the names in it, without recursion: a chain of names may be long."""
     path: dict[str, None] = {name: None}
     while path:
@@ -165,14 +165,14 @@ def _evaluate_name(document: Document, name: str, given: Mapping[str, Any], valu
         missing = [n for n in names_in(text) if n in document.names and n not in values]
         open_ = [n for n in missing if f"names/{n}/value" not in faults]
         circle = next((n for n in missing if n in path), None)
-        if current in given:
-            values[current] = given[current]
+        if current in name_values:
+            values[current] = name_values[current]
         elif current in values or address in faults:
             pass
         elif circle is not None:
             members = list(path)
-            chain = " → ".join(map(clean, [*members[members.index(circle) :], circle]))
-            faults[address] = f"Name '{clean(current)}' is defined by itself: {chain}."
+            chain = " → ".join(map(printable, [*members[members.index(circle) :], circle]))
+            faults[address] = f"Name '{printable(current)}' is defined by itself: {chain}."
         elif open_:
             path[open_[0]] = None
             continue
@@ -192,13 +192,15 @@ def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
         if name in values or name == "pi":
             continue
         if name in document.names:
-            raise ValueError(f"'{clean(text)}' needs '{clean(name)}', which has no value.")
-        known = f"names are: {', '.join(map(clean, document.names))}" if document.names else "there are no names yet"
-        raise ValueError(f"'{clean(text)}' needs '{clean(name)}', but there is no such name; {known}.")
+            raise ValueError(f"'{printable(text)}' needs '{printable(name)}', which has no value.")
+        known = (
+            f"names are: {', '.join(map(printable, document.names))}" if document.names else "there are no names yet"
+        )
+        raise ValueError(f"'{printable(text)}' needs '{printable(name)}', but there is no such name; {known}.")
     try:
-        return value_of(text, values)
+        return arithmetic_result(text, values)
     except ValueError as fault:
-        raise ValueError(f"'{clean(text)}' {fault}.") from None
+        raise ValueError(f"'{printable(text)}' {fault}.") from None
 
 
 def structure(document: Document, *, arithmetic: bool = True) -> str:
@@ -206,25 +208,25 @@ def structure(document: Document, *, arithmetic: bool = True) -> str:
 
     The Builder also chooses degrees of freedom and clamps by numbers. Keys therefore contain those of the model too.
     With ``arithmetic`` the functions depend on the free names, and texts such as "2*w" count; otherwise they depend on
-    the numbers of :func:`numbers_of`.
+    the numbers of :func:`numeric_values`.
     """
-    found, _ = evaluated(document)
+    values, _ = evaluated(document)
 
-    def shown(address: str, text: str) -> str:
-        if address not in found:
+    def content(address: str, text: str) -> str:
+        if address not in values:
             return f"! {text}"
-        return "#" if is_number(text) or not arithmetic else text
+        return "#" if is_number_text(text) or not arithmetic else text
 
     parts: list[Any] = [document.dimension]
     if arithmetic:
-        parts.append([(name, shown(f"names/{name}/value", own["value"])) for name, own in document.names.items()])
-    for thing in document.things:
-        call, args = call_of(thing), thing["args"]
-        for path, text in numbers(thing):
+        parts.append([(name, content(f"names/{name}/value", entry["value"])) for name, entry in document.names.items()])
+    for item in document.things:
+        call, args = call_of(item), item["args"]
+        for path, text in numbers(item):
             # A whole number chooses code.
-            whole = call is not None and call.fields[path.partition("/")[0]]["whole"]
-            address = f"{thing['id']}/{path}"
-            value = found.get(address, text) if whole else shown(address, text)
+            is_whole = call is not None and call.fields[path.partition("/")[0]]["whole"]
+            address = f"{item['id']}/{path}"
+            value = values.get(address, text) if is_whole else content(address, text)
             args = replaced(args, path.split("/"), value)
-        parts.append((thing["id"], thing["call"], thing.get("name"), sorted(args.items())))
+        parts.append((item["id"], item["call"], item.get("name"), sorted(args.items())))
     return repr(parts)

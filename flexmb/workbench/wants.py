@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import shown
-from ..display import listed, measured, short
-from ..errors import clean
+from ..arguments import short_repr
+from ..display import listed, quantity_text, short
+from ..errors import printable
 from ..questions.question import unit_of_question
-from ..spacar.arithmetic import value_of
+from ..spacar.arithmetic import arithmetic_result
 from .building import free_names
 from .document import Document
 from .traced import question_of
@@ -32,7 +32,7 @@ class Want:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.key} {KINDS[self.kind]} {text_of(self.value, self.unit)}"
+        return f"{self.key} {KINDS[self.kind]} {answer_text(self.value, self.unit)}"
 
     def missed(self, value: float) -> float:
         """Relative miss of a value [-]; zero or negative if it meets the target."""
@@ -42,55 +42,59 @@ class Want:
 
 def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> list[Want]:
     """Checked targets."""
-    found = []
+    wants = []
     for target in given:
         key, kind = str(target.get("answer", "")), target.get("kind", "equal")
         if kind not in KINDS:
-            raise ValueError(f"Target '{clean(key)}' is of kind {shown(kind)}. It must be equal, least or most.")
-        unit = unit_of(key)
-        found.append(Want(key, kind, value_in(key, str(target.get("value", "")), unit, names), unit))
-    if not found:
+            raise ValueError(
+                f"Target '{printable(key)}' is of kind {short_repr(kind)}. It must be equal, least or most."
+            )
+        unit = answer_unit(key)
+        wants.append(Want(key, kind, wanted_value(key, str(target.get("value", "")), unit, names), unit))
+    if not wants:
         raise ValueError("There is no target. Give one, such as frequency 1 = 20 Hz.")
-    for key in {want.key for want in found}:
-        own = {want.kind: want.value for want in found if want.key == key}
-        if len(own) < sum(want.key == key for want in found) or ("equal" in own and len(own) > 1):
-            raise ValueError(f"'{clean(key)}' has two targets. Give one value, or a lower and an upper one.")
-        if own.get("least", -np.inf) > own.get("most", np.inf):
-            raise ValueError(f"'{clean(key)}' cannot be at least {own['least']:g} and at most {own['most']:g}.")
-    return found
+    for key in {want.key for want in wants}:
+        by_kind = {want.kind: want.value for want in wants if want.key == key}
+        if len(by_kind) < sum(want.key == key for want in wants) or ("equal" in by_kind and len(by_kind) > 1):
+            raise ValueError(f"'{printable(key)}' has two targets. Give one value, or a lower and an upper one.")
+        if by_kind.get("least", -np.inf) > by_kind.get("most", np.inf):
+            raise ValueError(
+                f"'{printable(key)}' cannot be at least {by_kind['least']:g} and at most {by_kind['most']:g}."
+            )
+    return wants
 
 
 def label_of(given: Sequence[Mapping[str, Any]]) -> str:
     """Label of the edit that meets targets."""
     parts = [f"{t.get('answer')} {KINDS.get(str(t.get('kind', 'equal')), '?')} {t.get('value')}" for t in given]
-    return clean(f"target {', '.join(parts)}")
+    return printable(f"target {', '.join(parts)}")
 
 
-def unit_of(key: str) -> str:
+def answer_unit(key: str) -> str:
     """SI unit of an answer without prefix; empty if it has none, or if there is no such answer."""
     return unit_of_question(question_of(key, "")).removesuffix("-")
 
 
-def value_in(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
+def wanted_value(key: str, text: str, unit: str, names: Mapping[str, float]) -> float:
     """A number from text such as "20", "20 Hz", "300 MPa", "2*f"."""
-    rest, factor = text.strip(), 1.0
-    if unit and rest.endswith(unit):
-        rest = rest.removesuffix(unit)
-        if rest and rest[-1] in PREFIXES and (len(rest) < 2 or not rest[-2].isalpha()):
-            rest, factor = rest[:-1], PREFIXES[rest[-1]]
+    number_text, factor = text.strip(), 1.0
+    if unit and number_text.endswith(unit):
+        number_text = number_text.removesuffix(unit)
+        if number_text and number_text[-1] in PREFIXES and (len(number_text) < 2 or not number_text[-2].isalpha()):
+            number_text, factor = number_text[:-1], PREFIXES[number_text[-1]]
     try:
-        value = float(value_of(rest.strip(), names)) * factor
+        value = float(arithmetic_result(number_text.strip(), names)) * factor
     except ValueError as fault:
         form = f"a number [{unit or '-'}]" + (f", such as 20 {unit} or 20 k{unit}" if unit else "")
-        raise ValueError(f"Target '{clean(key)}': '{clean(text)}' {fault}. Give {form}.") from None
+        raise ValueError(f"Target '{printable(key)}': '{printable(text)}' {fault}. Give {form}.") from None
     if not np.isfinite(value):
-        raise ValueError(f"Target '{clean(key)}' is '{clean(text)}'. It must be finite.")
+        raise ValueError(f"Target '{printable(key)}' is '{printable(text)}'. It must be finite.")
     return value
 
 
-def text_of(value: float, unit: str) -> str:
+def answer_text(value: float, unit: str) -> str:
     """An answer with its unit."""
-    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else measured(value, unit)
+    return f"{short(value)} {unit}".strip() if unit in ("", "kg") else quantity_text(value, unit)
 
 
 def number_like(text: str, value: float, digits: int) -> str:
@@ -108,10 +112,12 @@ def checked_free(document: Document, free: Sequence[str]) -> list[str]:
     known = free_names(document)
     for name in free:
         if name not in document.names:
-            raise ValueError(f"There is no name '{clean(name)}' to change.")
+            raise ValueError(f"There is no name '{printable(name)}' to change.")
         if name not in known:
-            text = clean(document.names[name]["value"])
-            raise ValueError(f"'{clean(name)}' is '{text}': it follows from other names. Choose from {listed(known)}.")
+            text = printable(document.names[name]["value"])
+            raise ValueError(
+                f"'{printable(name)}' is '{text}': it follows from other names. Choose from {listed(known)}."
+            )
     if not known:
         raise ValueError("No dimension may change. Write a name, such as t, instead of a number, and give it a value.")
     return list(dict.fromkeys(free)) or known

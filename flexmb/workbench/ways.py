@@ -17,9 +17,9 @@ from ..linear.linearize import linearize
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..numerical_limits import REPEATED_ANSWER, SAME_ANSWER
-from ..plot.geometry import names_of
+from ..plot.geometry import element_names
 from ..results import RESULTS, check, collected, worst_of
-from .building import build, free_names, numbers_of, structure
+from .building import build_document, free_names, numbers_of, structure
 from .content import Document
 from .live_answers import Answers
 from .references import call_of
@@ -102,7 +102,7 @@ class Ways:
             "words": _words(key, found, by_field),
         }
 
-    def _prepare(self, kind: Any, document: Document, found: Answers, key: str, wait: bool) -> None:
+    def _prepare(self, kind: Any, document: Document, answers: Answers, key: str, wait: bool) -> None:
         """Compile a function, in a thread unless told to wait."""
         self._closures[kind] = None
         while len(self._closures) > MOST:
@@ -110,9 +110,9 @@ class Ways:
 
         def compile_() -> None:
             try:
-                answer = answer_of(key, found.wants.support_node)
+                answer = answer_of(key, answers.wants.support_node)
                 with heard():
-                    closure: Any = _closure(document, found, answer, numbers_of(document))
+                    closure: Any = _closure(document, answers, answer, numbers_of(document))
             except Exception as fault:  # No one else waits for this thread: the pages show the fault.
                 logging.getLogger("flexmb").debug("%s", key, exc_info=True)
                 closure = fault
@@ -139,68 +139,73 @@ class Ways:
                 del self._names[next(iter(self._names))]
         values = numbers_of(document)
         point = np.array([values[f"names/{name}/value"] for name in names])
-        found = self._names[kind](point, np.array([by_field[address] for address in addresses]))
-        return dict(zip(names, np.asarray(found).tolist(), strict=True))
+        slopes = self._names[kind](point, np.array([by_field[address] for address in addresses]))
+        return dict(zip(names, np.asarray(slopes).tolist(), strict=True))
 
 
 def numeric_fields(document: Document) -> list[str]:
     """Addresses of the fields with numbers to differentiate by: no names, and no numbers that choose code."""
-    whole = set()
-    for thing in document.things:
-        call = call_of(thing)
+    integer_fields = set()
+    for item in document.things:
+        call = call_of(item)
         fields = call.fields if call else {}
-        whole.update(f"{thing['id']}/{name}" for name, field in fields.items() if field["whole"])
+        integer_fields.update(f"{item['id']}/{name}" for name, field in fields.items() if field["whole"])
     return [
         address
         for address in numbers_of(document)
-        if not address.startswith("names/") and address not in whole and address.rpartition("/")[0] not in whole
+        if not address.startswith("names/")
+        and address not in integer_fields
+        and address.rpartition("/")[0] not in integer_fields
     ]
 
 
-def _kind(document: Document, found: Answers, key: str) -> Any:
+def _kind(document: Document, answers: Answers, key: str) -> Any:
     """Key of a compiled function: structure, roles that depend on numbers, and the answer."""
-    model = found.model
+    model = answers.model
     roles = tuple(tuple(map(str, some)) for some in model.roles())
-    where = found.values[key].get("where", {}).get("node") if key == "displacement" else None
-    return structure(document, arithmetic=False), key, found.wants.support_node, where, roles, clamps_of(model)
+    where = answers.values[key].get("where", {}).get("node") if key == "displacement" else None
+    return structure(document, arithmetic=False), key, answers.wants.support_node, where, roles, clamps_of(model)
 
 
-def _closure(document: Document, found: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
+def _closure(document: Document, answers: Answers, answer: Answer, numbers: Mapping[str, Any]) -> _Closure:
     """Answer and slopes for documents of this structure, compiled by a first call."""
-    like, increment, addresses = found.model, found.increment, tuple(numeric_fields(document))
+    like, increment, addresses = answers.model, answers.increment, tuple(numeric_fields(document))
 
     def parameters(flat: Any) -> Parameters:
-        return build(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
+        return build_document(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
 
-    def of_parameters(own: Parameters):
+    def of_parameters(parameter_tree: Parameters):
         with collected() as codes:
-            value = answer(linearize(dataclasses.replace(like, parameters=own), increment=increment))
+            value = answer(linearize(dataclasses.replace(like, parameters=parameter_tree), increment=increment))
         return value, worst_of(codes)
 
-    def both(flat: Any):
-        own, pull = jax.vjp(parameters, flat)
-        (value, code), slopes = jax.value_and_grad(of_parameters, has_aux=True)(own)
-        shares = [_of_sections(mine, theirs) for mine, theirs in zip(own.properties, slopes.properties, strict=True)]
+    def value_and_slopes(flat: Any):
+        parameter_tree, pull = jax.vjp(parameters, flat)
+        (value, code), slopes = jax.value_and_grad(of_parameters, has_aux=True)(parameter_tree)
+        shares = [
+            _section_slopes(mine, theirs)
+            for mine, theirs in zip(parameter_tree.properties, slopes.properties, strict=True)
+        ]
         return value, pull(slopes)[0], shares, code
 
-    compiled = jit(both)
+    compiled = jit(value_and_slopes)
     compiled(np.array([float(numbers[address]) for address in addresses]))
     return _Closure(addresses, compiled)
 
 
-def _of_sections(properties: dict[str, Any], slopes: dict[str, Any]) -> list[Any]:
+def _section_slopes(properties: dict[str, Any], slopes: dict[str, Any]) -> list[Any]:
     """Slopes times sizes, summed over the sizes of each section, for every stack of sections of a block."""
-    found = []
+    sums = []
     stacks = [
-        each if isinstance(each, tuple) else (each,) for each in (properties.get("section"), slopes.get("section"))
+        entry if isinstance(entry, tuple) else (entry,) for entry in (properties.get("section"), slopes.get("section"))
     ]
     for section, slope in zip(*stacks, strict=True):
         if section is not None:
             pairs = zip(jax.tree.leaves(_sizes(section)), jax.tree.leaves(_sizes(slope)), strict=True)
             # A leaf without axes is shared by several elements.
             products = [a * b for a, b in pairs if jnp.ndim(a)]
-            found.append(sum(jnp.sum(jnp.reshape(product, (len(product), -1)), axis=1) for product in products))
-    return found
+            sums.append(sum(jnp.sum(jnp.reshape(product, (len(product), -1)), axis=1) for product in products))
+    return sums
 
 
 def _sizes(section: Any) -> Any:
@@ -211,56 +216,56 @@ def _sizes(section: Any) -> Any:
 
 def _by_element(model: Model, shares: list[list[Any]], value: float) -> dict[str, float]:
     """Relative slopes by the name of each element."""
-    found: dict[str, float] = {}
+    relative_slopes: dict[str, float] = {}
     for block, stacks in zip(model.topology.blocks, shares, strict=True):
-        names = names_of(model, block)
+        names = element_names(model, block)
         slopes = [slope for stack in stacks for slope in np.asarray(stack).tolist()]
         for name, slope in zip(names, slopes, strict=False):
-            found[name] = found.get(name, 0.0) + slope / value
-    return found
+            relative_slopes[name] = relative_slopes.get(name, 0.0) + slope / value
+    return relative_slopes
 
 
 def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) -> Callable[..., Any]:
     """The function from slopes by the fields, at values of the names, to slopes by the names."""
 
     def fields(flat: Any) -> Any:
-        found = numbers_of(document, dict(zip(names, flat, strict=True)))
-        return jnp.stack([jnp.asarray(found[address], float) for address in addresses])
+        numbers = numbers_of(document, dict(zip(names, flat, strict=True)))
+        return jnp.stack([jnp.asarray(numbers[address], float) for address in addresses])
 
     return jit(lambda flat, slopes: jax.vjp(fields, flat)[1](slopes)[0])
 
 
-def _meaningless(key: str, found: Answers) -> str:
+def _meaningless(key: str, answers: Answers) -> str:
     """Reason why an answer has no sensitivity; empty if it has one."""
     word, _, number = key.partition(" ")
     several: dict[str, Any] = {}
-    if found.modes is not None:
-        several["frequency"] = found.modes.eigenvalues
-    if found.buckled is not None:
-        several["multiplier"] = found.buckled.multipliers
+    if answers.modes is not None:
+        several["frequency"] = answers.modes.eigenvalues
+    if answers.buckled is not None:
+        several["multiplier"] = answers.buckled.multipliers
     if word == "pole":
         return "flexmb does not differentiate poles of loads without a potential."
     if word in several:
         values, place = np.asarray(several[word]), int(number) - 1
         alike = np.abs(values - values[place]) <= REPEATED_ANSWER * np.abs(values[place])
-        near = [i for i in np.flatnonzero(alike).tolist() if i != place]
-        if found.values[key]["text"].startswith("0 Hz"):
+        repeated = [i for i in np.flatnonzero(alike).tolist() if i != place]
+        if answers.values[key]["text"].startswith("0 Hz"):
             return f"{key.capitalize()} belongs to a free motion: it stays zero."
-        if near:
-            others = ", ".join(f"{word} {i + 1}" for i in near)
+        if repeated:
+            others = ", ".join(f"{word} {i + 1}" for i in repeated)
             return f"{key.capitalize()} is repeated, as {others}: alone it has no derivative."
-    if word in ("displacement", "stress") and not found.values[key]["value"]:
+    if word in ("displacement", "stress") and not answers.values[key]["value"]:
         return f"There is no {key}, so it has no sensitivity."
     return ""
 
 
-def _words(key: str, found: Answers, by_field: Mapping[str, float]) -> list[str]:
+def _words(key: str, answers: Answers, by_field: Mapping[str, float]) -> list[str]:
     """Special properties of sensitivities, in words."""
     words = []
     if not any(by_field.values()):
         words.append(f"No number changes {key}.")
-    if key == "stress" and found.stress is not None:
-        largest = np.max(np.asarray(found.stress.von_mises), axis=-1)
+    if key == "stress" and answers.stress is not None:
+        largest = np.max(np.asarray(answers.stress.von_mises), axis=-1)
         if np.sum(largest >= (1 - REPEATED_ANSWER) * np.max(largest)) > 1:
             words.append("Several places have the largest stress. The sensitivity holds for one of them.")
     return words

@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmb.fmu.save import found_compiler
+from flexmb.fmu.save import compiler_command
 
-needs_compiler = pytest.mark.skipif(found_compiler() is None, reason="there is no C compiler: install gcc, or set $CC")
+needs_compiler = pytest.mark.skipif(
+    compiler_command() is None, reason="there is no C compiler: install gcc, or set $CC"
+)
 
 
 def compiled(source: str, folder: Path) -> ctypes.CDLL:
@@ -17,7 +19,7 @@ def compiled(source: str, folder: Path) -> ctypes.CDLL:
     (folder / "code.c").write_text(source)
     options = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -ffp-contract=off -shared -fPIC".split()
     run = subprocess.run(
-        [*(found_compiler() or []), *options, "code.c", "-o", "code.so", "-lm"],
+        [*(compiler_command() or []), *options, "code.c", "-o", "code.so", "-lm"],
         cwd=folder,
         capture_output=True,
         text=True,

@@ -25,7 +25,7 @@ import flexmb as fm
 from flexmb import planar, setup, spatial
 from flexmb.compilation import host, kept
 from flexmb.compilation.compile import compile_thoroughly, jit
-from flexmb.compilation.program import of_time
+from flexmb.compilation.program import captured_of_time
 from flexmb.elements.element import Element
 from flexmb.linear import linearize
 from flexmb.math import linear
@@ -147,11 +147,11 @@ def test_a_law_whose_text_changed_is_not_answered_by_the_former_one(folder):
 def test_laws_and_tables_of_time_can_be_known_in_another_process():
     law = fm.trajectory.quintic(0.0, 1.0, 0.5)
     for given, shape in ((law, ()), (drive.Table([0.0, 1.0], np.ones((2, 3))), (3,))):
-        taken, found = of_time(given)
+        taken, found = captured_of_time(given)
         assert found == shape
-        kept.described(jax.tree.structure(taken))
+        kept.as_nested_text(jax.tree.structure(taken))
     with pytest.raises(TypeError, match="cannot be known in another process"):
-        kept.described(jax.tree.structure(of_time(lambda t: 2 * law(t))[0]))
+        kept.as_nested_text(jax.tree.structure(captured_of_time(lambda t: 2 * law(t))[0]))
 
 
 # -- fifty ways to confuse it ---------------------------------------------------------------------------------------
@@ -363,14 +363,14 @@ UNLIKE = [
 @pytest.mark.parametrize("thing", REFUSED, ids=lambda thing: type(thing).__name__)
 def test_what_cannot_be_known_has_no_description(thing):
     with pytest.raises((TypeError, ValueError, RecursionError, AttributeError)):
-        kept.described([thing])
+        kept.as_nested_text([thing])
 
 
 @pytest.mark.parametrize(("one", "other"), UNLIKE)
 def test_unlike_things_are_described_unlike(one, other):
-    first, second = kept.described([one]), kept.described([other])
+    first, second = kept.as_nested_text([one]), kept.as_nested_text([other])
     assert repr(first) != repr(second)
-    assert repr(kept.described([one])) == repr(first)
+    assert repr(kept.as_nested_text([one])) == repr(first)
 
 
 def test_there_are_fifty_ways():
@@ -501,7 +501,7 @@ def test_a_result_that_cannot_be_written_down_is_not_kept(folder, caplog):
         value: jax.Array
         mark: str
 
-    program = jax.jit(lambda x: kept.called(lambda x: Marked(2 * x, "twice"), ("something plain",), (x,)))
+    program = jax.jit(lambda x: kept.call_kept(lambda x: Marked(2 * x, "twice"), ("something plain",), (x,)))
     with caplog.at_level(logging.DEBUG, "flexmb"):
         found = program(jnp.ones(2))
     assert "is not kept" in caplog.text

@@ -8,7 +8,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.compilation.program import may_bend, split, split_in_stages, split_together
+from flexmb.compilation.program import may_bend, split_constants, split_in_stages, split_together
 
 
 def weighted(weights):
@@ -23,7 +23,7 @@ def equations(function, *arguments):
 
 def test_helpers_that_capture_different_arrays_are_kept_apart():
     first, second = weighted([1.0, 0.0]), weighted([0.0, 1.0])
-    early, late = split(lambda x, c: jnp.stack([first(x) * c, second(x) * c]), (1.0,), (2.0,))
+    early, late = split_constants(lambda x, c: jnp.stack([first(x) * c, second(x) * c]), (1.0,), (2.0,))
     np.testing.assert_array_equal(late(3.0, *early(2.0)), [6.0, 18.0])
 
 
@@ -32,7 +32,7 @@ def test_constants_that_print_alike_are_kept_apart():
     def function(x, c):
         return jnp.stack([x / 0.0, x / -0.0, x * 0.1, x * np.nextafter(0.1, 1.0)])
 
-    early, late = split(function, (1.0,), (2.0,))
+    early, late = split_constants(function, (1.0,), (2.0,))
     np.testing.assert_array_equal(late(1.0, *early(2.0)), [np.inf, -np.inf, 0.1, np.nextafter(0.1, 1.0)])
 
 
@@ -48,7 +48,7 @@ def test_derivatives_of_ones_own_that_capture_arrays_are_known_by_them():
         return function
 
     first, again, second = ruled([1.0, 0.0]), ruled([1.0, 0.0]), ruled([0.0, 1.0])
-    early, late = split(lambda x, c: jnp.stack([first(x) * c, again(x) * c, second(x) * c]), (1.0,), (2.0,))
+    early, late = split_constants(lambda x, c: jnp.stack([first(x) * c, again(x) * c, second(x) * c]), (1.0,), (2.0,))
     np.testing.assert_array_equal(late(3.0, *early(2.0)), [6.0, 6.0, 18.0])
 
 
@@ -61,7 +61,7 @@ def test_equal_operations_are_done_once():
     def twice(x, c):
         return jnp.stack([jnp.sin(x) + shared(x), jnp.sin(x) + shared(x)])
 
-    counts = [equations(split(f, (1.0,), (1.0,))[1], 1.0) for f in (once, twice)]
+    counts = [equations(split_constants(f, (1.0,), (1.0,))[1], 1.0) for f in (once, twice)]
     # Besides the stack of two: broadcasts and a concatenation.
     assert counts[1] <= counts[0] + 4
 

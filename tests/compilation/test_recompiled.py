@@ -22,7 +22,7 @@ def asked(name):
         return jnp.sum(design["thickness"] ** power) + jnp.sum(design["width"])
 
     total.__name__ = name
-    recompiled._last.pop(compile.name_of(total), None)
+    recompiled._last.pop(compile.program_name(total), None)
     return total
 
 

@@ -7,7 +7,7 @@ import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from flexmb.compilation.compile import jit
-from flexmb.compilation.threads import cores, each, one_thread
+from flexmb.compilation.threads import cores, in_threads, one_thread
 from flexmb.math.subspace import null_spaces
 
 eigenvalues = jax.jit(jnp.linalg.eigvalsh)
@@ -21,7 +21,7 @@ def matrices(count):
 @pytest.mark.parametrize("threads", [1, 2, 5])
 def test_results_are_in_order(threads):
     many = matrices(7)
-    for found, matrix in zip(each(eigenvalues, many, threads), many, strict=True):
+    for found, matrix in zip(in_threads(eigenvalues, many, threads), many, strict=True):
         np.testing.assert_allclose(found, np.linalg.eigvalsh(matrix), atol=1e-12)  # round-off
 
 
@@ -38,7 +38,7 @@ def two_threads():
 
 
 def test_lapack_has_its_threads_again(two_threads):
-    assert each(lambda _: sorted(threads()), [0], 1) == [[1]]
+    assert in_threads(lambda _: sorted(threads()), [0], 1) == [[1]]
     assert threads() == {2}
 
 
@@ -57,7 +57,7 @@ def test_every_kernel_works_in_one_thread(two_threads):
 
 def test_the_last_of_several_gives_threads_back(two_threads):
     with one_thread():
-        assert all(each(lambda _: threads() == {1}, range(4), 3))
+        assert all(in_threads(lambda _: threads() == {1}, range(4), 3))
         with one_thread():
             pass
         assert threads() == {1}
@@ -78,7 +78,7 @@ def test_a_failure_reaches_the_caller():
         raise RuntimeError("of one call")
 
     with pytest.raises(RuntimeError, match="of one call"):
-        each(fails, [0, 1, 2], 2)
+        in_threads(fails, [0, 1, 2], 2)
 
 
 @pytest.mark.slow

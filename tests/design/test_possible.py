@@ -11,7 +11,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.blocks import cross_pivot, notch_hinge
 from flexmb.design.evaluate import build_once
-from flexmb.design.possible import refusal
+from flexmb.design.possible import refusal_of_designs
 from flexmb.elements.element import Element
 
 T = mechanisms.THICKNESS
@@ -263,7 +263,7 @@ def test_checks_of_all_beams_take_many_designs(space):
         b.fix("0")
         return b.build(check=False)
 
-    refused = refusal(build, build_once(build, {"value": T}), {"value": T})
+    refused = refusal_of_designs(build, build_once(build, {"value": T}), {"value": T})
     np.testing.assert_array_equal(refused({"value": np.array([T, 2 * T, -T])}), [False, False, True])
 
 
@@ -281,7 +281,7 @@ def test_what_a_block_refuses():
         return b.build(check=False)
 
     good = {"length": 0.05, "half_angle": 0.7, "radius": 3e-3}
-    refused = refusal(build, build_once(build, good), good)
+    refused = refusal_of_designs(build, build_once(build, good), good)
     bad = [{"length": -0.05}, {"half_angle": 2.0}, {"half_angle": -0.7}, {"radius": -3e-3}, {"radius": 1e-3}]
     rows = [good, *[{**good, **one} for one in bad]]
     designs = {name: np.array([row[name] for row in rows]) for name in good}
@@ -302,7 +302,7 @@ def test_conditions_do_not_leave_a_program_of_the_build_itself():
     def build(width):
         return cantilever(fm.Rigidity(EIy=constant(width), mass=1.0)).build(check=False)
 
-    refused = refusal(build, build_once(build, {"width": 1.0}), {"width": 1.0})
+    refused = refusal_of_designs(build, build_once(build, {"width": 1.0}), {"width": 1.0})
     np.testing.assert_array_equal(refused({"width": np.array([2.0, 3.0])}), [False, False])
 
 
@@ -331,6 +331,6 @@ def test_known_numbers_stay_so_beside_traced_ones():
         return b.build(check=False)
 
     alone = float(fm.mass(build(0.0)))
-    refused = refusal(build, build_once(build, {"mass": 1.0}), {"mass": 1.0})
+    refused = refusal_of_designs(build, build_once(build, {"mass": 1.0}), {"mass": 1.0})
     np.testing.assert_array_equal(refused({"mass": np.array([2.0, -3.0])}), [False, True])
     assert float(jax.jit(lambda mass: fm.mass(build(mass)))(0.3)) == approx(alone + 0.3)

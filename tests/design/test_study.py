@@ -16,7 +16,7 @@ import flexmb as fm
 from flexmb.design.study import sweep_answer
 from flexmb.design.study_file import read_study
 from flexmb.design.swept import Sweep
-from flexmb.errors import clean
+from flexmb.errors import printable
 
 STUDY = """model = "guide.dat"
 [parameters]
@@ -448,10 +448,10 @@ def test_what_is_no_regular_file_is_refused_at_once(study):
     for path in not_regular(study.parent, ".toml"):
         result = call("sweep", path)
         assert result.exit_code == 2
-        assert result.stderr == f"flexmb: cannot read or write '{clean(path)}': it is no regular file.\n"
+        assert result.stderr == f"flexmb: cannot read or write '{printable(path)}': it is no regular file.\n"
     for path in not_regular(study.parent, ".dat"):
         study.write_text(STUDY.replace("guide.dat", path.name))
-        assert_one_line(call("sweep", study), f"cannot read '{clean(path)}': it is no regular file.")
+        assert_one_line(call("sweep", study), f"cannot read '{printable(path)}': it is no regular file.")
 
 
 @pytest.mark.slow

@@ -14,7 +14,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import plain
 from flexmb.design.stroke import driven
-from flexmb.display import measured
+from flexmb.display import quantity_text
 
 mpl.use("Agg")
 import matplotlib.pyplot as plt
@@ -398,7 +398,7 @@ def test_a_function_needs_its_dimensions():
     ],
 )
 def test_numbers_have_prefixes(value, unit, text):
-    assert measured(value, unit) == text
+    assert quantity_text(value, unit) == text
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import flexmb as fm
 from flexmb import spatial
-from flexmb.mechanics.deformation import deformations, zero_near
+from flexmb.mechanics.deformation import deformations, zero_strain
 
 AXIS = np.array([1.0, 2.0, 2.0]) / 3
 ACROSS = np.array([2.0, 1.0, -2.0]) / 3
@@ -38,7 +38,7 @@ def test_a_turn_about_the_axis_and_a_tilt_across_it(kind, angle):
         x = np.array(model.parameters.reference)
         x[model.labels.known("p")] = carried.as_quat(scalar_first=True)
         x[model.labels.known("q")] = (carried * Rotation.from_rotvec(angle * axis)).as_quat(scalar_first=True)
-        e = np.asarray(deformations(model.topology, model.parameters, x, zero_near(model.topology)))[places]
+        e = np.asarray(deformations(model.topology, model.parameters, x, zero_strain(model.topology)))[places]
         assert e[0] == approx(expected, abs=1e-12)
         if kind == "hinge":
             # Twice the sine of half the angle.
@@ -62,7 +62,7 @@ def test_tilts_are_those_of_the_axis_in_the_first_body_however_far_it_turns():
         tilted = Rotation.from_rotvec([0.0, 0.12, -0.16]) * Rotation.from_rotvec([turn, 0.0, 0.0])
         x[model.labels.known("p")] = carried.as_quat(scalar_first=True)
         x[model.labels.known("q")] = (carried * tilted).as_quat(scalar_first=True)
-        e = np.asarray(deformations(model.topology, model.parameters, x, zero_near(model.topology)))[places]
+        e = np.asarray(deformations(model.topology, model.parameters, x, zero_strain(model.topology)))[places]
         assert e[0] == approx(turn, abs=1e-12)
         found.append(e[1:])
     # The angle is 0.2, about an axis across in the share 3 to -4; which two lines across are measured, the first tells.

@@ -15,7 +15,7 @@ from flexmb import planar, spatial
 from flexmb.elements.leaf import leaf_of
 from flexmb.elements.leaf_ends import ends_matrix, skew_compliance, step_compliance
 from flexmb.elements.nodes import Angle, Point2
-from flexmb.elements.roots import root_stiffness, spread
+from flexmb.elements.roots import root_stiffness, spreading_length
 from flexmb.elements.spectral_spatial import FIELDS
 
 STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850.0, alpha=11.5e-6)
@@ -338,8 +338,8 @@ def test_where_nothing_steps_nothing_is_added():
     slopes = jax.jacfwd(lambda w: step_compliance(w, 0.5e-3, LEAF))(0.018)
     assert np.all(np.isfinite(np.asarray(slopes)))
     # Small-step limit of potential flow, and its logarithm where the other part is wide.
-    assert float(spread(1 - 1e-6)) < 1e-9
-    assert float(spread(0.001) - spread(0.002)) == approx(2 / np.pi * np.log(2), rel=1e-4)
+    assert float(spreading_length(1 - 1e-6)) < 1e-9
+    assert float(spreading_length(0.001) - spreading_length(0.002)) == approx(2 / np.pi * np.log(2), rel=1e-4)
 
 
 def rows(model: fm.Model) -> list[list[float]]:

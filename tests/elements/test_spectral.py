@@ -379,12 +379,12 @@ def test_rigid_motion_does_not_deform():
     turn = rng.standard_normal(4)
     turn /= np.linalg.norm(turn)
     from flexmb.math.rotation import rotation_matrix
-    from flexmb.mechanics.deformation import deformations, zero_near
+    from flexmb.mechanics.deformation import deformations, zero_strain
 
     x = np.array(model.parameters.reference)
     for name, kind in itertools.product(("0", "1"), ("position", "rotation")):
         indices = model.labels.coordinates(name if kind == "position" else f"{name}.rotation")
         moved = np.asarray(rotation_matrix(turn)) @ x[indices] + [1, 2, 3] if kind == "position" else turn
         x[indices] = moved
-    e = deformations(model.topology, model.parameters, x, zero_near(model.topology))
+    e = deformations(model.topology, model.parameters, x, zero_strain(model.topology))
     np.testing.assert_allclose(e, 0, atol=1e-14)

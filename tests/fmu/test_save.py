@@ -26,11 +26,13 @@ from flexmb import planar
 from flexmb.errors import FlexmbWarning
 from flexmb.fmu import plant as plants
 from flexmb.fmu.plant import Plant, Variable
-from flexmb.fmu.save import compiled, found_compiler
+from flexmb.fmu.save import compiler_command, shared_library
 from flexmb.mechanisms import mechanism_path
 from flexmb.trajectory import TimeVarying
 
-needs_compiler = pytest.mark.skipif(found_compiler() is None, reason="there is no C compiler: install gcc, or set $CC")
+needs_compiler = pytest.mark.skipif(
+    compiler_command() is None, reason="there is no C compiler: install gcc, or set $CC"
+)
 HEADERS = Path(fmpy.__file__).parent / "c-code"
 
 
@@ -333,14 +335,14 @@ def test_sources_compile_alone_and_export_all_functions_of_the_standard(fmi, tmp
         (tmp_path / "data.h").write_text(text)
         for file in sources.glob("*.c"):
             (tmp_path / file.name).write_bytes(file.read_bytes())
-        call = [*(found_compiler() or []), *strict, "-o", "all.so", f"fmi{fmi}.c", "-lm"]
+        call = [*(compiler_command() or []), *strict, "-o", "all.so", f"fmi{fmi}.c", "-lm"]
         run = subprocess.run(call, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert run.returncode == 0, run.stderr
     listed = subprocess.run(["nm", "-D", "--defined-only", tmp_path / "all.so"], capture_output=True, text=True)
     assert functions <= set(listed.stdout.split())
     # What a reader of the sources compiles computes the same.
     found = simulated(path, "cs", 1.0, 0.1, {"torque": 0.7})
-    library, _ = compiled({file.name: file.read_bytes() for file in sources.iterdir()}, f"fmi{fmi}.c")
+    library, _ = shared_library({file.name: file.read_bytes() for file in sources.iterdir()}, f"fmi{fmi}.c")
     assert library == (tmp_path / "out" / binary).read_bytes()
     assert np.ptp(found["angle"]) > 0
 
@@ -559,7 +561,7 @@ def test_absolute_positions_are_what_displacements_count_from_and_these(kind, fm
 
 def renamed(inputs=("u",), outputs=("y",), states=("q",)):
     one = np.ones((1, 1))
-    return plants.linear(-one, one, one, 0 * one, *(tuple(map(Variable, of)) for of in (inputs, outputs, states)))
+    return plants.linear_plant(-one, one, one, 0 * one, *(tuple(map(Variable, of)) for of in (inputs, outputs, states)))
 
 
 @pytest.mark.parametrize(

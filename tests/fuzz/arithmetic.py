@@ -9,7 +9,7 @@ import re
 import warnings
 from collections.abc import Iterator
 
-from flexmb.spacar.arithmetic import value_of
+from flexmb.spacar.arithmetic import arithmetic_result
 
 NUMBERS = {"t": 0.5e-3, "w": 0.018, "E": 210e9, "minus": -2.0, "zero": 0.0, "Länge": 0.1, "far": 1e200}
 WORDS = ("0", "1", "2", "3.5", ".5", "5.", "1e-3", "2E5", "1e308", "1e999", "1e-400", "007", "1" * 400, *NUMBERS, "pi")
@@ -95,7 +95,7 @@ def run(case: str) -> str:
         case: Text.
     """
     try:
-        value = value_of(case, NUMBERS)
+        value = arithmetic_result(case, NUMBERS)
     except ValueError as fault:
         text = str(fault)
         assert text.isprintable(), text

@@ -18,7 +18,7 @@ import numpy as np
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.checks.mobility import motions_of
+from flexmb.checks.mobility import allowed_motions
 
 # Share of arguments that are broken, and of mechanisms that are checked whole.
 SHARE_BROKEN, SHARE_WHOLE = 0.12, 0.1
@@ -330,7 +330,7 @@ def run(case: Case) -> str:
         except fm.ModelError:
             return "refused"
         _check_model(model)
-        motions, over = motions_of(model)
+        motions, over = allowed_motions(model)
         assert over == 0
         assert motions.shape[1] == model.topology.n_q
         assert fm.mobility(model).status == "ok"

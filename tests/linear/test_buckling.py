@@ -13,8 +13,8 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.arguments import as_floats
 from flexmb.linear.buckling import multipliers_about, multipliers_of
-from flexmb.math.element_matrices import Whole
-from flexmb.mechanics.deformation import deformations, zero_near
+from flexmb.math.element_matrices import AssembledEquations
+from flexmb.mechanics.deformation import deformations, zero_strain
 from flexmb.mechanics.loads import LoadFactors
 from flexmb.statics.sparse import balanced
 from flexmb.statics.tangent import at_state, elastic_stress
@@ -46,7 +46,7 @@ def test_multipliers_under_a_preload_are_those_of_the_balance(preload):
     def balance(factor):
         factors = LoadFactors(1.0, factor)
         at = balanced(topology, parameters, factors)
-        near = deformations(topology, parameters, at.x, zero_near(topology))
+        near = deformations(topology, parameters, at.x, zero_strain(topology))
         sigma = np.array(elastic_stress(topology, parameters, factors, near))
         sigma[held] = at.multipliers
         return at.x, near, sigma
@@ -54,7 +54,9 @@ def test_multipliers_under_a_preload_are_those_of_the_balance(preload):
     x, near, sigma = balance(0.0)
     added = (balance(1e-5)[2] - balance(-1e-5)[2]) / 2e-5
     stays, scaled = (
-        Whole(jax.device_get(at_state(topology, parameters, LoadFactors(1.0, 0.0), x, near, s)[0])).at().toarray()
+        AssembledEquations(jax.device_get(at_state(topology, parameters, LoadFactors(1.0, 0.0), x, near, s)[0]))
+        .at()
+        .toarray()
         for s in (sigma, sigma + added)
     )
     n = len(topology.x.free)

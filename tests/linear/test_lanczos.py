@@ -6,19 +6,21 @@ import scipy.linalg
 import scipy.sparse
 
 import flexmb as fm
-from flexmb.linear.sparse_spectrum import AllowedMotions, changed, check_modes
+from flexmb.linear.sparse_spectrum import AllowedMotions, change_by_iteration, check_converged
 from flexmb.math.sparse import SparseFactors
 
 
 def test_modes_that_are_none_are_refused():
-    check_modes(np.array([1e-5]), "frequencies")
+    check_converged(np.array([1e-5]), "frequencies")
     for wrong in (1e-2, np.nan):
         with pytest.raises(fm.AnalysisError, match="The frequencies were not found by sparse factors"):
-            check_modes(np.array([1e-5, wrong]), "frequencies")
+            check_converged(np.array([1e-5, wrong]), "frequencies")
 
 
 def test_change_is_measured_beside_the_motion_itself():
-    found = changed(np.array([[0.0, 2.0], [1.0, 0.0]]), np.array([[3.0, 1.0], [0.0, 0.0]]), np.diag([4.0, 9.0]))
+    found = change_by_iteration(
+        np.array([[0.0, 2.0], [1.0, 0.0]]), np.array([[3.0, 1.0], [0.0, 0.0]]), np.diag([4.0, 9.0])
+    )
     np.testing.assert_allclose(found, [3 / 6, 4 / 2], rtol=1e-15)
 
 

@@ -11,7 +11,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.linear.sparse_solve import on_host
+from flexmb.linear.sparse_solve import call_on_host
 from flexmb.math.linear_solver import SPARSE
 from flexmb.math.sparse import on_host_thread
 from flexmb.results import RESULTS
@@ -428,7 +428,7 @@ def where(_):
 def test_the_host_works_for_compiled_code_in_one_thread():
     # SuperLU gives memory back in the thread alone that took it.
     like = jax.ShapeDtypeStruct((), int)
-    assert int(jax.jit(lambda a: on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)
+    assert int(jax.jit(lambda a: call_on_host(where, like, a))(1.0)) == on_host_thread(threading.get_ident)
 
 
 def never(_):
@@ -436,7 +436,7 @@ def never(_):
 
 
 def test_the_host_is_not_asked_about_what_has_failed_before():
-    assert np.isnan(jax.jit(lambda a: on_host(never, jax.ShapeDtypeStruct((), float), a))(np.nan))
+    assert np.isnan(jax.jit(lambda a: call_on_host(never, jax.ShapeDtypeStruct((), float), a))(np.nan))
 
 
 @pytest.mark.slow

@@ -15,7 +15,7 @@ from scipy.spatial.transform import Rotation
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import answer
-from flexmb.mechanics.inertia import Felt
+from flexmb.mechanics.inertia import InertialLoad
 from flexmb.motion.coordinates_form import coordinates_form
 from flexmb.motion.element_forces import Moving
 from flexmb.motion.moving_matrices import dynamic_balance
@@ -513,7 +513,7 @@ def test_bar_that_falls_about_a_hinge_in_space(element, released, speed):
     @fm.jit
     def balance(topology, parameters, x, v, a, near):
         form = coordinates_form(topology, parameters)
-        return dynamic_balance(form, jnp.zeros(()), Moving(x, v, a, near)).sigma, Felt(form.gravity, v, a)
+        return dynamic_balance(form, jnp.zeros(()), Moving(x, v, a, near)).sigma, InertialLoad(form.gravity, v, a)
 
     sigma, felt = balance(model.topology, model.parameters, x, v, a, none)
     zero = jnp.zeros((), jnp.int32)

@@ -12,8 +12,8 @@ import flexmb as fm
 from flexmb import planar
 from flexmb.control.second_order_form import lossy_elements
 from flexmb.errors import AnalysisError
-from flexmb.math.by_deformations import forces, product, refined
-from flexmb.math.element_matrices import Whole, transposed
+from flexmb.math.by_deformations import forces, refined_solution, saddle_product
+from flexmb.math.element_matrices import AssembledEquations, transposed
 
 # Of a cantilever, times the square root of EI/(m l^4).
 ROOTS = np.array([1.8751040687119611, 4.694091132974174, 7.854757438237613])
@@ -128,7 +128,7 @@ def test_forces_that_constraints_bear_alone_move_nothing():
         found = a @ z
         return found + 1e-16 * noise.standard_normal(found.shape) * np.max(np.abs(z))
 
-    found = refined(product, lambda left: np.linalg.solve(a, left), right, np.ones(2))
+    found = refined_solution(product, lambda left: np.linalg.solve(a, left), right, np.ones(2))
     np.testing.assert_allclose(found, [[0, -axis[1] / 3], [0, axis[0] / 3], [1, 0]], atol=1e-14)
 
 
@@ -158,12 +158,14 @@ def test_forces_are_those_of_the_assembled_matrices():
     with_loss = lin.elements._replace(loss=lossy.stiffness, lossy=lossy.elastic)
     for s, given in ((None, lin.elements), (3j, with_loss)):
         elements, turned = (jax.tree.map(np.asarray, own) for own in (given, transposed(given)))
-        whole = (Whole(elements).at() if s is None else Whole(elements).at_frequency(s)).toarray()
+        whole = (
+            AssembledEquations(elements).at() if s is None else AssembledEquations(elements).at_frequency(s)
+        ).toarray()
         z = np.random.default_rng(3).standard_normal((len(whole), 2)).astype(whole.dtype)
         # Round-off beside the largest entry.
         close = {"rtol": 0, "atol": 1e-14 * np.max(np.abs(whole))}
         np.testing.assert_allclose(forces(elements, z, s=s), whole @ z, **close)
-        np.testing.assert_allclose(product(given, z, None, s), whole @ z, **close)
+        np.testing.assert_allclose(saddle_product(given, z, None, s), whole @ z, **close)
         np.testing.assert_allclose(forces(elements, z, transposed=True, s=s), whole.T @ z, **close)
         np.testing.assert_allclose(forces(turned, z, s=s), whole.T @ z, **close)
 
@@ -173,7 +175,7 @@ def test_factors_of_another_matrix_are_of_no_help():
     a = np.array([[2.0, 1.0], [1.0, 3.0]])
     near, far = np.linalg.inv(a + 0.1), -np.linalg.inv(a)
     right = np.array([[1.0], [2.0]])
-    found = refined(lambda z: a @ z, lambda left: near @ left, right, np.ones(2))
+    found = refined_solution(lambda z: a @ z, lambda left: near @ left, right, np.ones(2))
     np.testing.assert_allclose(a @ found, right, rtol=1e-12)
     with pytest.raises(AnalysisError, match="round-off"):
-        refined(lambda z: a @ z, lambda left: far @ left, right, np.ones(2))
+        refined_solution(lambda z: a @ z, lambda left: far @ left, right, np.ones(2))

@@ -80,7 +80,7 @@ def test_names_of_questions_are_told():
     for text, fault, words in (("colour", KeyError, "ask for .*frequency"), ("time", ValueError, "for a motion")):
         with pytest.raises(fault, match=words):
             question.asked(text)
-    assert question.names_of("motion")[:2] == ["elastic", "energy"]
+    assert question.question_names("motion")[:2] == ["elastic", "energy"]
 
 
 def test_longer_names_are_found_first():

@@ -10,7 +10,7 @@ import pytest
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.spacar.arithmetic import value_of
+from flexmb.spacar.arithmetic import arithmetic_result
 
 NUMBERS = {"a": 2.0, "b": -3.5, "Länge": 0.1}
 
@@ -39,7 +39,7 @@ NUMBERS = {"a": 2.0, "b": -3.5, "Länge": 0.1}
 )
 def test_values_are_those_of_python(text):
     names = {**NUMBERS, "pi": math.pi}
-    assert value_of(text, NUMBERS) == eval(text.strip(), {"__builtins__": {}}, names)
+    assert arithmetic_result(text, NUMBERS) == eval(text.strip(), {"__builtins__": {}}, names)
 
 
 @pytest.mark.parametrize("seed", range(200))
@@ -68,9 +68,9 @@ def test_random_ones_too(seed):
         assert math.isfinite(expected)
     except (ZeroDivisionError, OverflowError, AssertionError):
         with pytest.raises(ValueError, match="has no value"):
-            value_of(text, NUMBERS)
+            arithmetic_result(text, NUMBERS)
     else:
-        assert value_of(text, NUMBERS) == expected
+        assert arithmetic_result(text, NUMBERS) == expected
 
 
 @pytest.mark.parametrize(
@@ -120,7 +120,7 @@ def test_random_ones_too(seed):
 def test_what_has_no_value_says_why(text, words):
     others = {"flag": True, "list": np.ones(3), "word": "1", "far": np.nan}
     with pytest.raises(ValueError, match=words) as raised:
-        value_of(text, {**NUMBERS, **others})
+        arithmetic_result(text, {**NUMBERS, **others})
     assert str(raised.value).isprintable()
 
 
@@ -135,7 +135,7 @@ def test_what_has_no_value_says_why(text, words):
     ids=["sum", "parentheses", "signs", "powers"],
 )
 def test_length_and_depth_have_no_limit(text, value):
-    assert value_of(text, {}) == value
+    assert arithmetic_result(text, {}) == value
 
 
 @pytest.mark.slow
@@ -143,13 +143,13 @@ def test_what_is_huge_is_refused_at_once():
     for text in ("9**9**9**9", "(" * 10**6, "1" * 10**6, "x" * 10**6, "1 " * 10**6):
         begin = time.perf_counter()
         with pytest.raises(ValueError, match=r"no|too|may") as raised:
-            value_of(text, {})
+            arithmetic_result(text, {})
         assert time.perf_counter() - begin < 10  # seconds on any machine; some milliseconds on one that is free
         assert len(str(raised.value)) < 500
 
 
 def test_numbers_may_be_traced():
-    assert jax.grad(lambda a: value_of("a**3/2 + b", {"a": a, "b": 1.0}))(2.0) == approx(6.0)
+    assert jax.grad(lambda a: arithmetic_result("a**3/2 + b", {"a": a, "b": 1.0}))(2.0) == approx(6.0)
 
 
 @pytest.mark.slow

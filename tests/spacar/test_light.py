@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 import flexmb as fm
 from flexmb import spatial
 from flexmb.spacar.light import load_steps
-from flexmb.spacar.light_checks import check
-from flexmb.spacar.light_fields import read
+from flexmb.spacar.light_checks import check_script
+from flexmb.spacar.light_fields import read_script
 
 STEEL = {"emod": 210e9, "smod": 80e9, "dens": 7800.0}
 UP = [0, 0, 1]  # width of the leaf springs along z
@@ -397,8 +397,8 @@ def test_universal_joint():
 )
 def test_initial_loads_come_first(fields, steps):
     nodes, elements, nprops, eprops, _ = guide()
-    script = read(nodes, elements, {**nprops, 3: fields}, eprops, {"loadsteps": 3, "gravity": [0, 0, -9.81]})
-    check(script)
+    script = read_script(nodes, elements, {**nprops, 3: fields}, eprops, {"loadsteps": 3, "gravity": [0, 0, -9.81]})
+    check_script(script)
     assert load_steps(script) == steps
 
 
@@ -412,14 +412,14 @@ def test_structures_grow_and_are_read_in_every_form():
         grown(0)
     listed = [{"fix": True}, {}, {"force": np.array([[0, 1, 0]])}]
     for nprops in (grown, listed, {3: {"force": (0, 1, 0)}, 1: {"fix": True}}):
-        found = read([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[1, 2], [2, 3]], nprops, {}, None).nprops
+        found = read_script([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[1, 2], [2, 3]], nprops, {}, None).nprops
         assert found[1] == {"fix": True}
         np.testing.assert_array_equal(found[3]["force"], [0, 1, 0])
     opt = fm.spacar.Struct()
     opt.rls = fm.spacar.StructArray()
     opt.rls(4).def_ = [2, 3]
-    script = read(*GUIDE, {1: {"fix": 1}}, [{"elems": 4, **leaf()}], opt)
-    check(script)
+    script = read_script(*GUIDE, {1: {"fix": 1}}, [{"elems": 4, **leaf()}], opt)
+    check_script(script)
     assert script.opt["rls"] == {4: (2, 3)}
 
 

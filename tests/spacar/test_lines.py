@@ -14,7 +14,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb.answers.answers import modes
 from flexmb.answers.mode import ModeRequest
-from flexmb.errors import clean
+from flexmb.errors import printable
 from flexmb.spacar.keywords import DRAWN, KEYWORDS, REFUSED, ROWS
 from flexmb.spacar.lines import BLOCKS, LARGEST, LARGEST_FILE, SMALLEST
 from flexmb.spacar.read import MOST_FAULTS
@@ -254,7 +254,7 @@ NUMBERS = {
     "EINIT 1 1e308": "EINIT: element 1: value must be a finite number, but '1e308' is too large",
     "TIMESTEP 1 9999999999": "TIMESTEP: steps must be a whole number from 1 to 999999999, but is '9999999999'",
     "\ufb01x 2": "\ufb01x: unknown keyword",
-    "TUBE " + "9" * 5000 + " 1 1": f"TUBE: element {clean('9' * 5000)}: element type is",
+    "TUBE " + "9" * 5000 + " 1 1": f"TUBE: element {printable('9' * 5000)}: element type is",
     "USERSIG \x1b[31m": r"USERSIG: needs the user routine '\x1b[31m'",
     "TIMENORM 1": "TIMENORM: element 1: is refused, since its parameters are not known; start and end of TRAJX and",
     "TUBE 3 1 2 3 4": "TUBE: element 3: element type is not available yet",

@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 import flexmb as fm
 from flexmb import planar
 from flexmb.mechanisms import mechanism_path
-from flexmb.trajectory.cubic import spline
+from flexmb.trajectory.cubic import cubic_spline
 from flexmb.trajectory.varying_equations import integrate_varying
 
 # The shipped elevator: radius, free length, mass of a weight, inertia of the pulley, EA and EdA of the belts, motor.
@@ -48,7 +48,7 @@ def test_spline_is_that_of_scipy(count):
     # One test would do for all counts but that the ends of short ones are special.
     rng = np.random.default_rng(count)
     t, y = np.sort(rng.random(count)), rng.random((count, 2, 3))
-    own, scipys = spline(jnp.asarray(t), jnp.asarray(y)), scipy.interpolate.CubicSpline(t, y)
+    own, scipys = cubic_spline(jnp.asarray(t), jnp.asarray(y)), scipy.interpolate.CubicSpline(t, y)
     at = np.linspace(-0.1, 1.1, 7)
     found = np.array([own(s) for s in at])
     # Round-off, times what extrapolation makes of it.

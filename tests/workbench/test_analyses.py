@@ -58,20 +58,20 @@ def test_what_a_building_block_carries_may_be_driven():
         ("fix", None, {"node": "A"}),
         ("blocks.cross_pivot", "pivot", {"base": "A", "stage": "B", "section": "leaf", "length": "0.1"}),
     ]
-    fields = {field["name"]: field for field in analyses.offered(drawn(2, {}, things))["stroke"]["fields"]}
+    fields = {field["name"]: field for field in analyses.offered_analyses(drawn(2, {}, things))["stroke"]["fields"]}
     assert "B.phi" in fields["coordinate"]["choices"]
     assert not any(choice.startswith("A.") for choice in fields["coordinate"]["choices"])
     assert {"A", "B"} <= set(fields["node"]["choices"])
 
 
 def test_every_mode_of_the_command_line_is_offered_and_no_second_list():
-    found = analyses.offered(planar_guide())
+    found = analyses.offered_analyses(planar_guide())
     assert {mode.name for mode in modes().values()} <= set(found)
     assert all(own["title"] and own["doc"] for own in found.values())
     assert [field["name"] for field in found["simulate"]["fields"]] == ["end", "steps", "rtol"]
     assert [field["name"] for field in found["path"]["fields"]] == ["max_steps"]
     json.dumps(found, allow_nan=False)
-    assert analyses.offered(Document.empty(3))
+    assert analyses.offered_analyses(Document.empty(3))
 
 
 @pytest.mark.parametrize(
@@ -90,9 +90,9 @@ def test_what_is_missing_is_told_with_what_to_add(name, said):
 
 
 def test_bode_lacks_an_output_and_a_sweep_a_name():
-    assert "no output" in analyses.offered(having(INPUT))["statespace"]["missing"]
-    assert analyses.offered(having(INPUT, OUTPUT))["statespace"]["missing"] is None
-    assert "no name" in analyses.offered(Document.empty(2))["sweep"]["missing"]
+    assert "no output" in analyses.offered_analyses(having(INPUT))["statespace"]["missing"]
+    assert analyses.offered_analyses(having(INPUT, OUTPUT))["statespace"]["missing"] is None
+    assert "no name" in analyses.offered_analyses(Document.empty(2))["sweep"]["missing"]
 
 
 @pytest.mark.parametrize(

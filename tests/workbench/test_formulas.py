@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexmb.workbench.formulas import formulas, text_of
+from flexmb.workbench.formulas import formulas, number_text
 
 NUMBERS = {"t": 0.5e-3, "w": 0.018, "n": 3.25}
 
@@ -49,12 +49,12 @@ def test_arrays_and_constants():
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_texts_of_numbers_read_back(value):
-    assert float({"pi": np.pi}.get(text_of(value), text_of(value))) == value
+    assert float({"pi": np.pi}.get(number_text(value), number_text(value))) == value
 
 
 @pytest.mark.slow
 def test_texts_of_numbers_are_short():
-    assert list(map(text_of, (210e9, 0.5e-3, 7850.0, 80.77e9, -3e-12, 1000.0))) == [
+    assert list(map(number_text, (210e9, 0.5e-3, 7850.0, 80.77e9, -3e-12, 1000.0))) == [
         "210e9",
         "0.0005",
         "7850",

@@ -7,7 +7,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.workbench.fields import calls
-from flexmb.workbench.image import image_of
+from flexmb.workbench.image import mirror_signs
 
 STEEL = fm.materials.stainless_301
 LEAF = fm.Rectangle(0.02, 5e-4, STEEL)
@@ -52,7 +52,7 @@ def member_of(name, **more):
 def test_every_element_has_an_image_across_every_axis(name):
     member, references, kinds = member_of(name)
     for axis in range(kinds[0].dimension):
-        found = image_of(member, references, kinds, axis, False)
+        found = mirror_signs(member, references, kinds, axis, False)
         assert found is not None
         assert found[1].shape == (len(member.roles),)
         assert set(np.abs(found[1])) == {1}
@@ -80,7 +80,7 @@ def test_every_element_has_an_image_across_every_axis(name):
     ],
 )
 def test_signs_are_those_of_geometry(name, axis, flips, signs):
-    found = image_of(*member_of(name), axis, False)
+    found = mirror_signs(*member_of(name), axis, False)
     assert found is not None
     assert {key: int(value) for key, value in found[0].items() if np.all(value == -1)} == flips
     if signs is not None:
@@ -106,7 +106,7 @@ def test_signs_of_series_are_those_of_their_function(room, d, kind, y_turns):
     own = {"y": (0.3, 0.1, 1.0)} if d == 3 else {}
     member, references, kinds = member_of(f"{place}.{kind}", order=2, **own)
     element = member.element
-    _, signs = image_of(member, references, kinds, 1, y_turns) or ({}, np.zeros(0))
+    _, signs = mirror_signs(member, references, kinds, 1, y_turns) or ({}, np.zeros(0))
     random = np.random.default_rng(3)
     state = [r + 0.05 * random.normal(size=r.shape) for r in references]
     mirror = np.where(np.arange(d) == 1, -1.0, 1.0)

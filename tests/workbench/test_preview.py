@@ -12,7 +12,7 @@ def test_designs_are_shown_no_faster_than_the_pace(monkeypatch):
     monkeypatch.setattr(session, "time", types.SimpleNamespace(monotonic=lambda: clock[0]))
     job = types.SimpleNamespace(stopped=False, tell=lambda **changes: told.append(changes))
     document = documents.drawn(2, {"t": "1e-3"}, [])
-    shown = session.Shown(job, document, lambda ops: written.append(ops[0]["to"]["value"]))  # type: ignore
+    shown = session.VisibleJob(job, document, lambda ops: written.append(ops[0]["to"]["value"]))  # type: ignore
     for after, value in ((0.0, 2e-3), (session.PACE / 2, 3e-3), (session.PACE, 4e-3)):
         clock[0] = 10.0 + after * 1.01
         shown.tell(design={"t": value})

@@ -274,7 +274,7 @@ def test_what_is_no_regular_file_is_neither_opened_nor_written(opened, tmp_path)
                 session.ask("open", {"path": str(path)})
             with pytest.raises(OSError, match="it is no regular file"):
                 session.ask("save", {"path": str(path), "over": True, "anyway": True})
-            assert open_file.content_of(path) is None
+            assert open_file.content_digest(path) is None
     with (tmp_path / "large.json").open("wb") as file:
         file.truncate(LARGEST_FILE + 1)
     with pytest.raises(OSError, match=f"it has more than {LARGEST_FILE} bytes: '.*large.json'"):

@@ -5,7 +5,7 @@ from cases.tolerances import approx
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexmb.spacar.arithmetic import is_number, names_in, renamed, value_of
+from flexmb.spacar.arithmetic import arithmetic_result, is_number_text, names_in, renamed
 from flexmb.workbench import values as sums
 
 NAMES = {"a": 1.5, "b": -0.25, "e1": 3.0}
@@ -25,7 +25,7 @@ TEXTS = st.recursive(
 
 
 def value(text):
-    return value_of(text, NAMES)
+    return arithmetic_result(text, NAMES)
 
 
 @given(TEXTS, TEXTS, TEXTS)
@@ -35,11 +35,11 @@ def test_texts_have_the_values_of_numbers(a, b, c):
     for found, expected in (
         (sums.plus(a, b), x + y),
         (sums.minus(a, b), x - y),
-        (sums.times(a, b), x * y),
+        (sums.text_product(a, b), x * y),
         (sums.negated(a), -x),
         (sums.negated(sums.negated(a)), x),
         (sums.reflected(a, b), 2 * y - x),
-        (sums.between(a, b, c), x + z * (y - x)),
+        (sums.text_between(a, b, c), x + z * (y - x)),
     ):
         assert value(found) == approx(expected, abs=1e-13 * size), (a, b, c, found)
 
@@ -51,17 +51,17 @@ def test_texts_have_the_values_of_numbers(a, b, c):
         (sums.plus("t", "0"), "t"),
         (sums.plus("t", "-2"), "t - 2"),
         (sums.minus("L", "t"), "L - t"),
-        (sums.times("3", "d"), "3*d"),
-        (sums.times("1", "L/2"), "L/2"),
+        (sums.text_product("3", "d"), "3*d"),
+        (sums.text_product("1", "L/2"), "L/2"),
         (sums.negated("-(a + b)"), "a + b"),
         (sums.negated("0"), "0"),
         (sums.negated("L"), "-L"),
         (sums.reflected("0.1", "0"), "-0.1"),
         (sums.reflected("x", "0"), "-x"),
-        (sums.between("0", "0.1", "0.5"), "0.05"),
-        (sums.between("0", "L", "0.5"), "0.5*L"),
+        (sums.text_between("0", "0.1", "0.5"), "0.05"),
+        (sums.text_between("0", "L", "0.5"), "0.5*L"),
         (sums.plus("1e-9", "1e-12"), "1.001e-9"),
-        (sums.times("2", "50e9"), "1e11"),
+        (sums.text_product("2", "50e9"), "1e11"),
     ],
 )
 def test_texts_are_as_one_would_write_them(found, expected):
@@ -72,7 +72,7 @@ def test_names_are_found_and_changed_where_they_are_names():
     assert names_in("2*t + 1e-3*te/(t2 - pi)") == ["t", "te", "t2", "pi"]
     assert renamed("2*t + 1e-3*te/(t2 - t)", "t", "e") == "2*e + 1e-3*te/(t2 - e)"
     assert renamed("t $ t", "t", "e") == "e $ t"
-    assert [is_number(text) for text in ("1", " -1e-3 ", "+ .5", "1.", "1e", "t", "1+1", "", "nan")] == [
+    assert [is_number_text(text) for text in ("1", " -1e-3 ", "+ .5", "1.", "1e", "t", "1+1", "", "nan")] == [
         *(True, True, True, True),
         *(False,) * 5,
     ]

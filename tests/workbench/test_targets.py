@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb.workbench import targets, traced, wants
-from flexmb.workbench.building import build
+from flexmb.workbench.building import build_document
 from flexmb.workbench.document import apply
 
 
@@ -50,7 +50,7 @@ def want(answer, value, kind="equal"):
 
 
 def frequency(document):
-    return float(fm.frequencies(build(document).builder.build())[0])
+    return float(fm.frequencies(build_document(document).builder.build())[0])
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_20_hz_by_the_thickness_is_where_another_root_finder_finds_it():
     t = root(lambda t: fm.frequencies(mechanisms.planar_guide(t).build())[0] - 20, 0.4e-3, 1.2e-3)
     assert found["met"]
     assert found["design"]["t"] == approx(t, rel=1e-10)
-    after = targets.applied(document, found)
+    after = targets.with_met_targets(document, found)
     assert frequency(after) == approx(20, rel=1e-10)
     # One edit, which leaves bounds as they are and writes the number as it was written.
     assert [op["name"] for op in found["ops"]] == ["t"]
@@ -133,7 +133,7 @@ def test_a_stop_keeps_the_best_design_so_far():
     assert found["stopped"]
     assert "Stopped on the way" in found["text"]
     assert abs(found["values"]["frequency 1"] - 20) < abs(frequency(document) - 20)
-    assert frequency(targets.applied(document, found)) == approx(found["values"]["frequency 1"], rel=1e-9)
+    assert frequency(targets.with_met_targets(document, found)) == approx(found["values"]["frequency 1"], rel=1e-9)
 
 
 @pytest.mark.slow
@@ -154,11 +154,11 @@ def test_a_second_search_traces_nothing_and_other_numbers_share_it(monkeypatch):
     def traced_again(*_):
         raise AssertionError("traced again")
 
-    before = dict(traced._KEPT)
+    before = dict(traced._TRACED)
     monkeypatch.setattr(traced, "flat_function", traced_again)
     found = targets.meet(heavier, [want("frequency 1", "21")], ["t"], Job())
     assert found["met"]
-    assert traced._KEPT.keys() == before.keys()
+    assert traced._TRACED.keys() == before.keys()
     # The width was arithmetic of no name before as well.
     assert targets.meet(moved, [want("frequency 1", "21")], ["t"], Job())["met"]
 
@@ -167,7 +167,7 @@ def test_a_second_search_traces_nothing_and_other_numbers_share_it(monkeypatch):
 def test_derivatives_agree_with_differences():
     document = loaded(planar_guide(), "1")
     keys = ["frequency 1", "multiplier 1", "stress", "mass", "stiffness x", "displacement", "displacement x"]
-    function = traced.traced(document, build(document).builder.build(), keys, "left1")
+    function = traced.traced(document, build_document(document).builder.build(), keys, "left1")
     at = function.at(document)
     names = {name: k for k, name in enumerate(function.names)}
     x = np.array([mechanisms.THICKNESS, mechanisms.LENGTH, mechanisms.DISTANCE])[[*names.values()]]
@@ -196,7 +196,7 @@ def test_derivatives_agree_with_differences():
     ],
 )
 def test_values_with_and_without_units(text, unit, value):
-    assert wants.value_in("it", text, unit, {"f": 13.0}) == approx(value)
+    assert wants.wanted_value("it", text, unit, {"f": 13.0}) == approx(value)
 
 
 @pytest.mark.slow("given12-free12-has no effect on it")
