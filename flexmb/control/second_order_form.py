@@ -129,7 +129,7 @@ class _Around(NamedTuple):
 
     by_held: Sequence[Any]
     of_held: Sequence[Any]
-    quadratic_form: Sequence[Any]
+    between: Sequence[Any]
     forces: Any
     on_held: Any
 

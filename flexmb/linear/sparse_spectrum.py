@@ -364,8 +364,7 @@ def _largest_inverses(at: _Shifted, count: int, rough: bool) -> tuple[np.ndarray
 
 
 def _few_mass_modes(at: _Shifted, heavy: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """:func:`_largest_inverses` if few coordinates have mass: M = S S^T, and S^T C S has these values, C the"
-    " flexibility."""
+    """As :func:`_largest_inverses` if few coordinates have mass: values of S^T C S, M = S S^T, C the flexibility."""
     masses, turned = np.linalg.eigh(at.mass[heavy][:, heavy].toarray())
     roots = np.zeros((at.mass.shape[0], len(heavy)))
     roots[heavy] = turned * np.sqrt(np.maximum(masses, 0.0))

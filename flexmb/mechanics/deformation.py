@@ -116,8 +116,7 @@ def _padded(rows: np.ndarray) -> np.ndarray:
 
 
 def undeformed(topology: Topology, parameters: Parameters) -> tuple[np.ndarray, Any]:
-    """Deformations in the undeformed mechanism, which should vanish, and their derivatives; see"
-    " :func:`host_deformations`."""
+    """Deformations in the undeformed mechanism, which should vanish, and derivatives; see :func:`host_deformations`."""
     return host_deformations(topology, parameters, np.asarray(parameters.reference), np.zeros(topology.n_e))
 
 

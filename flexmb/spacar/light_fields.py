@@ -64,7 +64,7 @@ class FieldForm(NamedTuple):
     """The form of a field: words for messages, and a function that reads the value or raises ValueError, TypeError."""
 
     wanted: str
-    read_script: Callable[[Any], Any]
+    read: Callable[[Any], Any]
 
 
 def _flag(value: Any) -> bool:

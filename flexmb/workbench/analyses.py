@@ -32,7 +32,7 @@ from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .building import build_document, free_names, numbers_of
+from .building import build_document, free_names, numeric_values
 from .document import Document
 from .options import FIELDS, checked_options, missing
 from .targets import Watched
@@ -265,7 +265,7 @@ def _stroke(asked: Request) -> dict[str, Any]:
 def _sweep(asked: Request) -> dict[str, Any]:
     """Frequencies, load multiplier, stress and mass as one name varies."""
     options, document, model = asked.options, asked.document, asked.builder.build()
-    name, numbers = options["name"] or free_names(document)[0], numbers_of(document)
+    name, numbers = options["name"] or free_names(document)[0], numeric_values(document)
     present_value = float(numbers[f"names/{name}/value"])
     ends = [options[end] if options[end] is not None else numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
     low, high = (

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from ..errors import printable
-from .building import numbers_of
+from .building import numeric_values
 from .document import Document
 from .references import call_of
 
@@ -27,7 +27,7 @@ def differences(pinned: Pinned, document: Document, answers: Mapping[str, Mappin
         "names" and "fields" that differ, each with label, before and now (texts or None) and percent; "added" and
         "removed" things; all "answers", each with key, label, unit, before and now (values), their texts and percent.
     """
-    old, new = numbers_of(pinned.document), numbers_of(document)
+    old, new = numeric_values(pinned.document), numeric_values(document)
     return {
         "revision": pinned.revision,
         "names": list(_names(pinned.document, document, old, new)),

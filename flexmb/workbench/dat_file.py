@@ -20,7 +20,7 @@ from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
 from ..spacar.write import lines_of, no_element_message
 from ..spacar.written import WrittenLine, line_text
-from .building import build_document, free_names, numbers_of
+from .building import build_document, free_names, numeric_values
 from .document import Document, apply
 from .formulas import formulas
 from .from_builder import document_of
@@ -225,7 +225,7 @@ def _analysis_lines(path: Path) -> tuple[dict[str, Any], list[str]]:
 def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[list[str], list[str]]:
     """Lines of the file, and numbers that do not follow from names by arithmetic."""
     built = build_document(document)
-    known: Any = numbers_of(document)
+    known: Any = numeric_values(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
     builder = _with_file_names(_without_strength(built.builder))
     plain = [*_signals(builder), *map(line_text, lines_of(builder, settings or {}))]
@@ -234,7 +234,7 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     written_lines: list[WrittenLine | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = _with_file_names(_without_strength(build_document(document, numbers_of(document, names)).builder))
+        other = _with_file_names(_without_strength(build_document(document, numeric_values(document, names)).builder))
         written_lines[:] = lines_of(other, settings or {}, like=builder)
         return [
             v

@@ -13,7 +13,7 @@ from ..identification.study_data import measured_table
 from ..linear.linearize import linearize
 from ..model.model import Model
 from ..plot.answer import image_of
-from .building import build_document, numbers_of
+from .building import build_document, numeric_values
 from .document import Document
 from .targets import bounds_of
 from .traced import answer_of, increment_of
@@ -34,13 +34,13 @@ def fitted_names(
     built = build_document(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-    numbers = numbers_of(document)
+    numbers = numeric_values(document)
     names = checked_free(document, free)
     bounds = {name: bounds_of(document, name, numbers)[0] for name in names}
     start = {name: float(numbers[f"names/{name}/value"]) for name in names}
 
     def model_of(**values: Any) -> Model:
-        return build_document(document, numbers_of(document, values)).builder.build()
+        return build_document(document, numeric_values(document, values)).builder.build()
 
     def answers(questions: list[str]) -> Any:
         functions = [answer_of(question, node) for question in questions]

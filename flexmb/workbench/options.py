@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import printable
 from ..spacar.arithmetic import arithmetic_result
-from .building import free_names, numbers_of, positions
+from .building import free_names, numeric_values, positions
 from .document import Document
 from .references import call_of
 
@@ -108,7 +108,7 @@ def checked_options(analysis: Mapping[str, Any], options: Mapping[str, Any], doc
         if name not in fields:
             listed = ", ".join(fields) or "none"
             raise ValueError(f"'{analysis['title']}' has no option '{printable(name)}'. There are: {listed}.")
-    numbers, values = numbers_of(document), {}
+    numbers, values = numeric_values(document), {}
     names = {n: numbers[f"names/{n}/value"] for n in document.names if f"names/{n}/value" in numbers}
     for name, field in fields.items():
         text = str(options.get(name) or field["default"]).strip()

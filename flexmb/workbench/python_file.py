@@ -10,7 +10,7 @@ import flexmb
 
 from ..errors import printable
 from ..spacar.arithmetic import names_in
-from .building import Arguments, build_document, call_arguments, free_names, numbers_of
+from .building import Arguments, build_document, call_arguments, free_names, numeric_values
 from .document import Document
 from .references import call_and_name, call_of
 
@@ -32,7 +32,7 @@ class _Script:
     def __init__(self, document: Document):
         self.document = document
         self.built = build_document(document)
-        self.values = numbers_of(document)
+        self.values = numeric_values(document)
         self.taken = set(RESERVED)
         self.function = self._variable(document.data["title"] or "mechanism", "mechanism")
         self.names = {name: self._variable(name, "number") for name in document.names}

@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import ModelError, printable
-from .building import Built, build_document, numbers_of, positions
+from .building import Built, build_document, numeric_values, positions
 from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
@@ -304,7 +304,7 @@ class Session:
     def _tell_changes(self) -> None:
         history = self.history
         built = self.built()
-        values = numbers_of(history.document)
+        values = numeric_values(history.document)
         self.tell(
             {
                 "tell": "document",

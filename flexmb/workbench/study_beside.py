@@ -9,7 +9,7 @@ from typing import Any
 from ..design.study_file import LARGEST_FILE, parameters_in
 from ..errors import ModelError, StudyError, printable
 from ..files import read_whole
-from .building import free_names, numbers_of
+from .building import free_names, numeric_values
 from .document import Document
 from .formulas import number_text
 
@@ -70,7 +70,7 @@ def write_beside(document: Document, path: Path) -> str | None:
 
 def _parameters(document: Document) -> list[str]:
     """Lines of [parameters]."""
-    known: Any = numbers_of(document)
+    known: Any = numeric_values(document)
     lines = []
     for name in free_names(document):
         address = f"names/{name}"

@@ -21,7 +21,7 @@ from ..plot.geometry import point_extent
 from ..progress import Stopped
 from ..questions.question import Asked
 from ..results import RESULTS
-from .building import build_document, numbers_of, positions
+from .building import build_document, numeric_values, positions
 from .document import Document, apply
 from .traced import Traced, question_of, traced
 from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
@@ -65,7 +65,7 @@ class _Tuning:
     """One search, and the best design so far."""
 
     def __init__(self, document: Document, wants: Any, free: Sequence[str], job: Watched, node: str | None):
-        numbers = numbers_of(document)
+        numbers = numeric_values(document)
         names = {name: float(numbers[a]) for name in document.names if (a := f"names/{name}/value") in numbers}
         self.document, self.job, self.node = document, job, node
         self.wants = wants_of(wants, names)

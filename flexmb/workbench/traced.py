@@ -21,7 +21,7 @@ from ..model.model import Model
 from ..questions.question import asked, question_names
 from ..results import RESULTS
 from ..spacar.arithmetic import is_number_text
-from .building import build_document, free_names, numbers_of, structure
+from .building import build_document, free_names, numeric_values, structure
 from .document import Document
 from .edits import texts
 
@@ -96,7 +96,7 @@ class Traced:
         self._function = jit((jax.jacfwd if forward else jax.jacrev)(of_names, has_aux=True))
 
     def _built(self, free: Any, plain: Any) -> Model:
-        numbers = numbers_of(self._document, dict(zip(self.names, free, strict=True)))
+        numbers = numeric_values(self._document, dict(zip(self.names, free, strict=True)))
         numbers |= dict(zip(self._plain, plain, strict=True))
         return build_document(self._document, numbers).builder.build()
 
@@ -105,7 +105,7 @@ class Traced:
         return linearize(model, increment=increment_of(model))
 
     def _inputs(self, document: Document) -> tuple[np.ndarray, np.ndarray]:
-        values = numbers_of(document)
+        values = numeric_values(document)
         free = [values[f"names/{name}/value"] for name in self.names]
         return np.array(free, float), np.array([values[address] for address in self._plain], float)
 

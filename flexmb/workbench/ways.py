@@ -19,7 +19,7 @@ from ..model.parameters import Parameters
 from ..numerical_limits import REPEATED_ANSWER, SAME_ANSWER
 from ..plot.geometry import element_names
 from ..results import RESULTS, check, collected, worst_of
-from .building import build_document, free_names, numbers_of, structure
+from .building import build_document, free_names, numeric_values, structure
 from .content import Document
 from .live_answers import Answers
 from .references import call_of
@@ -73,7 +73,7 @@ class Ways:
             return without("computing")
         if isinstance(closure, Exception):
             return without("failed", str(closure))
-        numbers = numbers_of(document)
+        numbers = numeric_values(document)
         point = np.array([numbers[address] for address in closure.addresses])
         same, slopes, shares, code = closure.slopes(point)
         slopes = np.asarray(slopes)
@@ -112,7 +112,7 @@ class Ways:
             try:
                 answer = answer_of(key, answers.wants.support_node)
                 with heard():
-                    closure: Any = _closure(document, answers, answer, numbers_of(document))
+                    closure: Any = _closure(document, answers, answer, numeric_values(document))
             except Exception as fault:  # No one else waits for this thread: the pages show the fault.
                 logging.getLogger("flexmb").debug("%s", key, exc_info=True)
                 closure = fault
@@ -137,7 +137,7 @@ class Ways:
             self._names[kind] = _pulled(document, names, addresses)
             while len(self._names) > MOST:
                 del self._names[next(iter(self._names))]
-        values = numbers_of(document)
+        values = numeric_values(document)
         point = np.array([values[f"names/{name}/value"] for name in names])
         slopes = self._names[kind](point, np.array([by_field[address] for address in addresses]))
         return dict(zip(names, np.asarray(slopes).tolist(), strict=True))
@@ -152,7 +152,7 @@ def numeric_fields(document: Document) -> list[str]:
         integer_fields.update(f"{item['id']}/{name}" for name, field in fields.items() if field["whole"])
     return [
         address
-        for address in numbers_of(document)
+        for address in numeric_values(document)
         if not address.startswith("names/")
         and address not in integer_fields
         and address.rpartition("/")[0] not in integer_fields
@@ -229,7 +229,7 @@ def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) ->
     """The function from slopes by the fields, at values of the names, to slopes by the names."""
 
     def fields(flat: Any) -> Any:
-        numbers = numbers_of(document, dict(zip(names, flat, strict=True)))
+        numbers = numeric_values(document, dict(zip(names, flat, strict=True)))
         return jnp.stack([jnp.asarray(numbers[address], float) for address in addresses])
 
     return jit(lambda flat, slopes: jax.vjp(fields, flat)[1](slopes)[0])

@@ -93,10 +93,10 @@ def test_fold_beside_solid_elements():
 @pytest.mark.slow
 def test_twist_of_a_strip_that_cannot_warp():
     """Closed form (2.10) with the plate's modulus and the warping constant of (2.57): exact for a constant torque."""
-    it = LEAF.rigidity().GIt / STEEL.G
+    it = LEAF.rigidity().GIt / STEEL.shear_modulus()
     warping = STEEL.E / (1 - 0.3**2) * (0.018 * 0.5e-3) ** 3 / 144 / (1 + 12 * (0.5 / 18) ** 2)
-    al = 0.1 / np.sqrt(warping / (STEEL.G * float(it)))
-    expected = 0.1 / (STEEL.G * float(it)) * (1 - 2 * np.tanh(al / 2) / al)
+    al = 0.1 / np.sqrt(warping / (STEEL.shear_modulus() * float(it)))
+    expected = 0.1 / (STEEL.shear_modulus() * float(it)) * (1 - 2 * np.tanh(al / 2) / al)
     assert np.asarray(fm.compliance(strip().build(), "tip"))[3, 3] == approx(expected, rel=1e-9)
 
 

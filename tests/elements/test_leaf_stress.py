@@ -47,7 +47,7 @@ def test_restrained_warping_beside_its_closed_form():
     """Torque, neither end warps: E y z kappa' with kappa = T/GIt (1 - cosh((x - L/2)/l)/cosh(L/2l)), exact."""
     torque = 1e-5
     found = fm.stress(strip(moment=(torque, 0, 0)), points=21)
-    torsion = STEEL.G * W * T**3 * (1 / 3 - 64 / np.pi**5 * T / W * 1.0045237627951384)
+    torsion = STEEL.shear_modulus() * W * T**3 * (1 / 3 - 64 / np.pi**5 * T / W * 1.0045237627951384)
     layer = np.sqrt(E / (1 - NU**2) * (W * T) ** 3 / 144 / (1 + 12 * (T / W) ** 2) / torsion)
     away = (np.linspace(0, L, 21) - L / 2) / layer
     slope = -np.sinh(away) / layer / np.cosh(L / 2 / layer) * torque / torsion
@@ -59,7 +59,7 @@ def test_restrained_warping_beside_its_closed_form():
     for point, sign in ((0, 1), (2, -1), (4, 1), (6, -1), (1, 0), (7, 0)):
         np.testing.assert_allclose(sigma[point], sign * warped, atol=1e-5 * scale)
     # Saint-Venant's shear in the middle; all of the torque is warping's where nothing twists.
-    inner = STEEL.G * T * rate
+    inner = STEEL.shear_modulus() * T * rate
     np.testing.assert_allclose(found.tau[0, :, MIDDLE], inner, atol=1e-8 * np.max(inner))
     assert float(found.tau[0, 0, EDGE]) == approx(9 * torque / (W**2 * T), rel=1e-9)
 

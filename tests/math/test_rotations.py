@@ -22,9 +22,9 @@ def test_rotations_are_those_of_scipy(size):
     np.testing.assert_allclose(rotations.from_axis_angle(axis, size), mine, **close)
     np.testing.assert_allclose(rotations.to_matrix(mine), right.as_matrix(), **close)
     np.testing.assert_allclose(rotations.rotate(mine, arm), right.apply(arm), **close)
-    both = rotations.product(second, mine)
+    both = rotations.quaternion_product(second, mine)
     np.testing.assert_allclose(rotations.to_matrix(both), (expected * right).as_matrix(), **close)
-    np.testing.assert_allclose(rotations.product(both, rotations.inverse(mine)), second, **close)
+    np.testing.assert_allclose(rotations.quaternion_product(both, rotations.inverse(mine)), second, **close)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from cases import documents, mechanisms
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, free_names, numbers_of, positions, structure
+from flexmb.workbench.building import build_document, free_names, numeric_values, positions, structure
 from flexmb.workbench.document import apply
 
 
@@ -35,14 +35,14 @@ def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
 def test_derivatives_by_fields_and_by_names_agree_with_differences():
     document = documents.planar_guide()
     model = build_document(document).model()
-    numbers = numbers_of(document)
+    numbers = numeric_values(document)
     assert numbers["names/t/value"] == numbers["2/thickness"] == 0.5e-3
 
     def of_fields(numbers):
         return fm.frequencies(build_document(document, numbers).model(like=model))[0]
 
     def of_names(names):
-        return of_fields(numbers_of(document, names))
+        return of_fields(numeric_values(document, names))
 
     slope = jax.jit(jax.grad(of_fields))(numbers)
     by_name = jax.grad(of_names)({"t": 0.5e-3, "L": 0.1, "d": 0.1})
@@ -105,7 +105,7 @@ def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
     model = built.model()
 
     def first(names):
-        return fm.frequencies(build_document(document, numbers_of(document, names)).model(like=model))[0]
+        return fm.frequencies(build_document(document, numeric_values(document, names)).model(like=model))[0]
 
     slopes = jax.grad(first)({"t": 0.5e-3, "h": 0.1})
     for name, start in (("t", 0.5e-3), ("h", 0.1)):

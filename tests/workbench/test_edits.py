@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, numbers_of, positions
+from flexmb.workbench.building import build_document, numeric_values, positions
 from flexmb.workbench.document import Document, EditError, apply
 from flexmb.workbench.undo import History
 
@@ -324,7 +324,7 @@ def test_a_circle_of_names_is_told_and_a_long_chain_is_none():
     }
     assert any("a → b → a" in p["message"] or "b → a → b" in p["message"] for p in found)
     ops = [{"op": "name", "name": f"n{k}", "to": {"value": f"n{k + 1}" if k < 3000 else "7"}} for k in range(3001)]
-    assert numbers_of(edited(Document.empty(), *ops))["names/n0/value"] == 7
+    assert numeric_values(edited(Document.empty(), *ops))["names/n0/value"] == 7
 
 
 @pytest.mark.slow

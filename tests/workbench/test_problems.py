@@ -3,7 +3,7 @@
 import pytest
 from cases import documents
 
-from flexmb.workbench.building import build_document, numbers_of, positions, structure
+from flexmb.workbench.building import build_document, numeric_values, positions, structure
 from flexmb.workbench.document import Document, EditError, apply
 from flexmb.workbench.fields import calls
 
@@ -63,7 +63,7 @@ def test_no_field_of_a_call_breaks_the_building(name):
             assert len(built.skipped) == (1 if built.problems else 0)
             structure(other)
             positions(other, built)
-            numbers_of(other)
+            numeric_values(other)
 
 
 def test_a_document_of_another_version_is_kept_and_told():

@@ -7,7 +7,7 @@ import pytest
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, numbers_of
+from flexmb.workbench.building import build_document, numeric_values
 from flexmb.workbench.document import Document, apply
 from flexmb.workbench.live import Live
 from flexmb.workbench.live_answers import Answers, Wants
@@ -60,7 +60,7 @@ def test_slopes_are_central_differences(key):
     document = guide(foot="1e-3")
     told = Ways(lambda: None).of(document, answers(document, support_node="C", sensitivity_of=key), wait=True)
     assert (told["status"], told["answer"]) == ("ok", key)
-    at, scale = numbers_of(document), abs(answers_at(document, {}, key))
+    at, scale = numeric_values(document), abs(answers_at(document, {}, key))
     for address, slope in told["by_field"].items():
         step = STEP * (abs(at[address]) or 0.1)
         expected = difference(lambda by, of=address: answers_at(document, {of: at[of] + by}, key), step)
@@ -68,7 +68,7 @@ def test_slopes_are_central_differences(key):
     for name, slope in told["by_name"].items():
         own = at[f"names/{name}/value"]
         expected = difference(
-            lambda by, of=name, own=own: answers_at(document, numbers_of(document, {of: own + by}), key), STEP * own
+            lambda by, of=name, own=own: answers_at(document, numeric_values(document, {of: own + by}), key), STEP * own
         )
         assert slope == approx(expected, rel=1e-6, abs=1e-6 * scale / own)
 
