@@ -4861,7 +4861,7 @@ FAULTS = [
         "np.quantile(values, share)",
         "design/test_scatter.py -k beyond_all",
     ),
-    Fault("design/problem.py", "np.any(np.isnan(numeric_values))", "False", "design/test_scatter.py -k no_numbers"),
+    Fault("design/problem.py", "np.any(np.isnan(numbers_of))", "False", "design/test_scatter.py -k no_numbers"),
     Fault("design/robust.py", "fine &= rows <= np", "fine &= rows >= np", "design/test_scatter.py -k percentiles"),
     Fault(
         "design/statistics.py",

@@ -1,8 +1,8 @@
 """Newton's method for an equilibrium, with adaptive load steps: one loop for dense and for sparse matrices.
 
 :func:`search_equilibrium` is the loop. :class:`MatrixForm` and :class:`Turn` are the interface of a form of matrices:
-``solve`` has the dense form, ``sparse`` the sparse form. :class:`Newton` and :class:`LoadStep` decide which corrections and steps
-are accepted.
+``solve`` has the dense form, ``sparse`` the sparse form. :class:`Newton` and :class:`LoadStep` decide which corrections
+and steps are accepted.
 """
 
 from collections.abc import Callable
