@@ -174,7 +174,7 @@ def test_strokes_of_skew_and_twisted_leaf_springs_warn_wherever_they_are_reached
         b.force("tip", (0, 0, force))
         return b.build()
 
-    shape = {"curvature": lambda s: (np.radians(30) / 0.1, 0.0, 0.0)} if how == "twist" else {"skew": (0.3, 0.0)}
+    shape = {"curvature": lambda s: (np.radians(30) / 0.1, 0.0, 0.0)} if how == "twist" else {"skew": (0.7, 0.0)}
     fm.equilibrium(guided(0.1, **shape))
     with pytest.warns(fm.BeamTheoryWarning, match=r"Element 'leaf': .* at a stroke of 0\.\d+ of its length"):
         fm.equilibrium(guided(60.0 if how == "twist" else 5.0, **shape))
