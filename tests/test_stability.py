@@ -15,6 +15,9 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 
+# Mechanisms in other units of length are meant here.
+pytestmark = pytest.mark.filterwarnings("ignore:.*flexmb reads metres:flexmb.FlexmbWarning")
+
 WAVE = 1.8751040687119611  # first root of cos(z) cosh(z) = -1
 
 

@@ -44,8 +44,7 @@ from .given import at_least_one, name_text, number_list, released_in
 from .idle import warn_of_idle
 from .mistaken_units import warn_of_lengths
 from .plain_beams import warn_of_plain_beams
-from .properties import complete_properties as complete_properties
-from .properties import element_type, number_of_deformations, with_material_damping, with_options
+from .properties import complete_properties, element_type, number_of_deformations, with_material_damping, with_options
 from .sound import nan_if_impossible
 from .step import body_of_step
 

@@ -24,6 +24,7 @@ from .fields import ENDS_IN_WORDS, Call
 from .references import call_of, referred
 from .values import evaluated
 from .values import free_names as free_names
+from .values import numeric_values as numeric_values
 from .values import structure as structure
 
 ROOMS = {"planar": planar, "spatial": spatial}
