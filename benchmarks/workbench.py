@@ -168,7 +168,7 @@ def updates(dimension: int, wants: dict[str, Any]) -> dict[str, float]:
     import numpy as np
 
     import flexmb as fm
-    from flexmb.workbench.building import build_document
+    from flexmb.workbench.building import build
     from flexmb.workbench.document import Document, apply
     from flexmb.workbench.live import Live
     from flexmb.workbench.live_answers import Wants
@@ -193,7 +193,7 @@ def updates(dimension: int, wants: dict[str, Any]) -> dict[str, float]:
             live.wait(120)
     live.stop()
     told = [one for one in heard if one["tell"] == "answers"][-1]["values"]["frequency 1"]["value"]
-    _check(told, float(fm.frequencies(build_document(document).model())[0]))
+    _check(told, float(fm.frequencies(build(document).model())[0]))
     median = statistics.median(times[1:])
     p95 = sorted(times[1:])[int(0.95 * UPDATES)]
     return {"first": times[0], "least": min(times), "median": median, "p95": p95, "a second": 1 / median}
@@ -210,7 +210,7 @@ def in_browser() -> dict[str, Any]:
     from cases.workbench import ask, browsing, opened, served, wait_for
 
     import flexmb as fm
-    from flexmb.workbench.building import build_document
+    from flexmb.workbench.building import build
     from flexmb.workbench.document import Document
 
     def drawn(page: Any, dimension: int, ops: list[dict[str, Any]]) -> None:
@@ -226,7 +226,7 @@ def in_browser() -> dict[str, Any]:
     def checked(page: Any) -> None:
         document = Document.from_data(ask(page, "s.state.document"))
         told = ask(page, "s.state.answers.values['frequency 1'].value")
-        _check(told, float(fm.frequencies(build_document(document).model())[0]))
+        _check(told, float(fm.frequencies(build(document).model())[0]))
 
     def run(page: Any, script: str, given: Any) -> Any:
         found = page.execute_async_script(script, given)

@@ -32,7 +32,7 @@ from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .building import build_document, free_names, numeric_values
+from .building import build, free_names, numeric_values
 from .document import Document
 from .options import FIELDS, checked_options, missing
 from .targets import Watched
@@ -119,7 +119,7 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
     analysis = known[name]
     if analysis["missing"]:
         raise ModelError(analysis["missing"])
-    built = build_document(document)
+    built = build(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
     asked = Request(document, built.builder, checked_options(analysis, options, document), job)

@@ -63,7 +63,7 @@ class Built:
             return self.builder.build()
 
 
-def build_document(document: Document, numbers: Mapping[str, Any] | None = None) -> Built:
+def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built:
     """Make the calls of a document on a Builder, with other values by address if given, which may be traced."""
     values, faults = evaluated(document)
     if numbers is not None:
@@ -86,7 +86,7 @@ def positions(document: Document, built: Built | None = None) -> dict[str, list[
             position = [values.get(f"{item['id']}/position/{k}") for k in range(document.dimension)]
             if len(item["args"].get("position", ())) == document.dimension and None not in position:
                 places[item["name"]] = [float(value) for value in position if value is not None]
-    for name, node in (built or build_document(document)).builder.nodes.items():
+    for name, node in (built or build(document)).builder.nodes.items():
         if node.kind.part == "position" and is_concrete(node.start):
             places.setdefault(name, [float(value) for value in node.start])
     return places

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..arguments import as_whole
 from ..errors import printable
-from .building import build_document
+from .building import build
 from .calls_of import Calls
 from .content import Document, EditError, Report, checked_value
 from .edits import LETTERS, insert
@@ -195,9 +195,7 @@ def split_element(document: Document, op: dict[str, Any]) -> tuple[Document, Rep
         raise EditError(f"{id}/curvature", f"'{name}' cannot be split: it is an arc.")
     if at := next((key for key in ("skew", "clamp") if key in item["args"]), None):
         raise EditError(f"{id}/{at}", f"'{name}' cannot be split: its ends are cut at an angle or elastic.")
-    record = build_document(document).records.get(
-        document.known.thing(("section",), item["args"].get("section", "")) or ""
-    )
+    record = build(document).records.get(document.known.thing(("section",), item["args"].get("section", "")) or "")
     if record is not None and record.varies:
         raise EditError(f"{id}/section", f"'{name}' cannot be split: its section varies along it.")
     about = [other for other in document.things if id in referred(document.known, other).values()]
@@ -257,7 +255,7 @@ def explode(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     call, id = call_of(item), item["id"]
     if call is None or call.kind != "block":
         raise EditError(id, f"'{printable(item.get('name', item['call']))}' is no building block.")
-    built = build_document(document)
+    built = build(document)
     if id not in built.made:
         why = next((p["message"] for p in built.problems if p["address"].startswith(f"{id}/")), "it cannot be built.")
         raise EditError(id, f"Block '{printable(item['name'])}' cannot be taken apart: {why}")

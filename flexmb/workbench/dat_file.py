@@ -20,7 +20,7 @@ from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
 from ..spacar.write import lines_of, no_element_message
 from ..spacar.written import WrittenLine, line_text
-from .building import build_document, free_names, numeric_values
+from .building import build, free_names, numeric_values
 from .document import Document, apply
 from .formulas import formulas
 from .from_builder import document_of
@@ -95,8 +95,7 @@ def cannot_hold(document: Document) -> list[str]:
 def incomplete(document: Document) -> list[str]:
     """Things with problems, which neither answers nor files contain."""
     return [
-        f"{printable(call_and_name(document.by_id, p['address']))}: {p['message']}"
-        for p in build_document(document).problems
+        f"{printable(call_and_name(document.by_id, p['address']))}: {p['message']}" for p in build(document).problems
     ]
 
 
@@ -108,12 +107,10 @@ def not_expressible(document: Document) -> list[str]:
     # Remove one fault after the other, to report all at once.
     for _ in range(MOST_FAULTS):
         try:
-            joined = joined or {
-                n for m in build_document(document).builder.members.values() if not m.hidden for n in m.nodes
-            }
-            lines_of(_without_strength(build_document(document).builder), {})
+            joined = joined or {n for m in build(document).builder.members.values() if not m.hidden for n in m.nodes}
+            lines_of(_without_strength(build(document).builder), {})
         except ModelError as fault:
-            if refusals and not build_document(document).builder.members:
+            if refusals and not build(document).builder.members:
                 break
             if str(fault) not in map(no_element_message, joined):
                 refusals.append(str(fault).removesuffix("."))
@@ -224,7 +221,7 @@ def _analysis_lines(path: Path) -> tuple[dict[str, Any], list[str]]:
 
 def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[list[str], list[str]]:
     """Lines of the file, and numbers that do not follow from names by arithmetic."""
-    built = build_document(document)
+    built = build(document)
     known: Any = numeric_values(document)
     free = {n: float(known[f"names/{n}/value"]) for n in free_names(document) if f"names/{n}/value" in known}
     builder = _with_file_names(_without_strength(built.builder))
@@ -234,7 +231,7 @@ def _texts(document: Document, settings: dict[str, Any] | None = None) -> tuple[
     written_lines: list[WrittenLine | str] = []
 
     def traced(names: dict[str, Any]) -> list[Any]:
-        other = _with_file_names(_without_strength(build_document(document, numeric_values(document, names)).builder))
+        other = _with_file_names(_without_strength(build(document, numeric_values(document, names)).builder))
         written_lines[:] = lines_of(other, settings or {}, like=builder)
         return [
             v

@@ -100,11 +100,11 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
                 for file in files:
                     archive.write(file, file.name)
         return {"name": f"{name}.zip", **_bytes(buffer.getvalue()), "left_out": lost, "notes": notes}
-    from .building import build_document
+    from .building import build
 
     if kind not in ("html", "step", "dxf"):
         raise ValueError(f"There is no export '{printable(kind)}'. There are py, dat, json, html, step and dxf.")
-    built = build_document(document)
+    built = build(document)
     notes = [problem["message"] for problem in built.problems]
     model = built.builder.build(check=False)
     if kind == "html":

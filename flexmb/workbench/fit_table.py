@@ -13,7 +13,7 @@ from ..identification.study_data import measured_table
 from ..linear.linearize import linearize
 from ..model.model import Model
 from ..plot.answer import image_of
-from .building import build_document, numeric_values
+from .building import build, numeric_values
 from .document import Document
 from .targets import bounds_of
 from .traced import answer_of, increment_of
@@ -31,7 +31,7 @@ def fitted_names(
         "status", "title", "text", "rows" (a line for each name), "picture" (SVG), and "ops" that would write the fitted
         values into the document.
     """
-    built = build_document(document)
+    built = build(document)
     if built.problems:
         raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
     numbers = numeric_values(document)
@@ -40,7 +40,7 @@ def fitted_names(
     start = {name: float(numbers[f"names/{name}/value"]) for name in names}
 
     def model_of(**values: Any) -> Model:
-        return build_document(document, numeric_values(document, values)).builder.build()
+        return build(document, numeric_values(document, values)).builder.build()
 
     def answers(questions: list[str]) -> Any:
         functions = [answer_of(question, node) for question in questions]

@@ -18,7 +18,7 @@ from ..model.model import Model
 from ..viewer.page import Colours, page_data
 from ..viewer.view import view
 from .advice import advice, mass_advice
-from .building import build_document
+from .building import build
 from .counts import Count, count, quick_numbers
 from .live_answers import Answers, Wants
 from .ways import Ways
@@ -93,7 +93,7 @@ class Live:
         counted: Newest count with its advice.
     """
 
-    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build_document):
+    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
         """Start the thread, which calls ``tell`` with every message; ``build`` makes builder and problems."""
         self._tell, self._build = tell, build
         self._changed = threading.Condition()

@@ -14,7 +14,7 @@ from ..elements.general import OF_TRIANGLE, STRAINS
 from ..errors import printable
 from ..model.by_name import TURNS
 from ..numerical_limits import SAME_PLACE
-from .building import Built, build_document
+from .building import Built, build
 from .calls_of import UPPER
 from .content import Document, EditError, Report, checked_text
 from .copies import cloned, selected, with_position
@@ -76,7 +76,7 @@ class _Image:
 
     def __init__(self, document: Document, axis: int, at: str):
         self.document, self.axis, self.at, self.d = document, axis, at, document.dimension
-        self.built: Built = build_document(document)
+        self.built: Built = build(document)
         self.turned = np.where(np.arange(self.d) == axis, -1.0, 1.0)
 
     def is_on_plane(self, thing: dict[str, Any]) -> bool:
@@ -322,7 +322,7 @@ class _Image:
             raise EditError(f"{item['id']}/base", "The block has problems. Solve them before you mirror it.")
         place = self._reflected(np.asarray(start.start, float))
         node = {"id": "0", "call": "node", "name": base, "args": {"position": [repr(float(v)) for v in place]}}
-        return self._points(build_document(self.document.with_things([*records, node, item])), item)
+        return self._points(build(self.document.with_things([*records, node, item])), item)
 
     def _agrees(
         self, trial_points: dict[str, np.ndarray], image_points: dict[str, np.ndarray], inner: set[str]

@@ -10,7 +10,7 @@ import flexmb
 
 from ..errors import printable
 from ..spacar.arithmetic import names_in
-from .building import Arguments, build_document, call_arguments, free_names, numeric_values
+from .building import Arguments, build, call_arguments, free_names, numeric_values
 from .document import Document
 from .references import call_and_name, call_of
 
@@ -31,7 +31,7 @@ class _Script:
 
     def __init__(self, document: Document):
         self.document = document
-        self.built = build_document(document)
+        self.built = build(document)
         self.values = numeric_values(document)
         self.taken = set(RESERVED)
         self.function = self._variable(document.data["title"] or "mechanism", "mechanism")

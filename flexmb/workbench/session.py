@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import ModelError, printable
-from .building import Built, build_document, numeric_values, positions
+from .building import Built, build, numeric_values, positions
 from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
@@ -131,12 +131,12 @@ class Session:
         document = document or self.history.document
         known = self._built
         if known is None or known[0] is not document:
-            self._built = known = document, build_document(document)
+            self._built = known = document, build(document)
         return known[1]
 
     def builder(self) -> Any:
         """A new builder with the present mechanism; ModelError with all problems if something cannot be built."""
-        built = build_document(self.history.document)
+        built = build(self.history.document)
         if built.problems:
             raise ModelError("\n".join(problem["message"] for problem in built.problems))
         return built.builder

@@ -21,7 +21,7 @@ from ..plot.geometry import point_extent
 from ..progress import Stopped
 from ..questions.question import Asked
 from ..results import RESULTS
-from .building import build_document, numeric_values, positions
+from .building import build, numeric_values, positions
 from .document import Document, apply
 from .traced import Traced, question_of, traced
 from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
@@ -95,7 +95,7 @@ class _Tuning:
         self.count, self.told_at, self.paused, self.failed = 0, 0.0, 0.0, RESULTS.successful
 
     def _model(self) -> Any:
-        built = build_document(self.document)
+        built = build(self.document)
         if built.problems:
             raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
         return built.builder.build()

@@ -21,7 +21,7 @@ from ..model.model import Model
 from ..questions.question import asked, question_names
 from ..results import RESULTS
 from ..spacar.arithmetic import is_number_text
-from .building import build_document, free_names, numeric_values, structure
+from .building import build, free_names, numeric_values, structure
 from .document import Document
 from .edits import texts
 
@@ -98,7 +98,7 @@ class Traced:
     def _built(self, free: Any, plain: Any) -> Model:
         numbers = numeric_values(self._document, dict(zip(self.names, free, strict=True)))
         numbers |= dict(zip(self._plain, plain, strict=True))
-        return build_document(self._document, numbers).builder.build()
+        return build(self._document, numbers).builder.build()
 
     def _linearized(self, free: Any, plain: Any) -> Linearization:
         model = self._built(free, plain)

@@ -19,7 +19,7 @@ from ..model.parameters import Parameters
 from ..numerical_limits import REPEATED_ANSWER, SAME_ANSWER
 from ..plot.geometry import element_names
 from ..results import RESULTS, check, collected, worst_of
-from .building import build_document, free_names, numeric_values, structure
+from .building import build, free_names, numeric_values, structure
 from .content import Document
 from .live_answers import Answers
 from .references import call_of
@@ -172,7 +172,7 @@ def _closure(document: Document, answers: Answers, answer: Answer, numbers: Mapp
     like, increment, addresses = answers.model, answers.increment, tuple(numeric_fields(document))
 
     def parameters(flat: Any) -> Parameters:
-        return build_document(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
+        return build(document, dict(zip(addresses, flat, strict=True))).model(like).parameters
 
     def of_parameters(parameter_tree: Parameters):
         with collected() as codes:

@@ -8,7 +8,7 @@ from cases import documents, mechanisms
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, free_names, numeric_values, positions, structure
+from flexmb.workbench.building import build, free_names, numeric_values, positions, structure
 from flexmb.workbench.document import apply
 
 
@@ -17,7 +17,7 @@ def frequency(model):
 
 
 def test_the_planar_guide_as_a_document_is_that_of_the_builder():
-    built = build_document(documents.planar_guide())
+    built = build(documents.planar_guide())
     assert (built.problems, built.skipped) == ([], [])
     actual = frequency(built.model())
     assert actual == approx(10.6448474, rel=1e-8)
@@ -25,7 +25,7 @@ def test_the_planar_guide_as_a_document_is_that_of_the_builder():
 
 
 def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
-    built = build_document(documents.spatial_guide())
+    built = build(documents.spatial_guide())
     assert (built.problems, built.skipped) == ([], [])
     theirs = mechanisms.spatial_guide(extra=(6,)).build()
     assert frequency(built.model()) == approx(frequency(theirs), rel=1e-13)
@@ -34,12 +34,12 @@ def test_the_spatial_guide_as_a_document_is_that_of_the_builder():
 @pytest.mark.slow
 def test_derivatives_by_fields_and_by_names_agree_with_differences():
     document = documents.planar_guide()
-    model = build_document(document).model()
+    model = build(document).model()
     numbers = numeric_values(document)
     assert numbers["names/t/value"] == numbers["2/thickness"] == 0.5e-3
 
     def of_fields(numbers):
-        return fm.frequencies(build_document(document, numbers).model(like=model))[0]
+        return fm.frequencies(build(document, numbers).model(like=model))[0]
 
     def of_names(names):
         return of_fields(numeric_values(document, names))
@@ -100,21 +100,19 @@ def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
             ("mass", None, {"node": "S", "mass": "0.2", "inertia": "1e-4"}),
         ],
     )
-    built = build_document(document)
+    built = build(document)
     assert built.problems == []
     model = built.model()
 
     def first(names):
-        return fm.frequencies(build_document(document, numeric_values(document, names)).model(like=model))[0]
+        return fm.frequencies(build(document, numeric_values(document, names)).model(like=model))[0]
 
     slopes = jax.grad(first)({"t": 0.5e-3, "h": 0.1})
     for name, start in (("t", 0.5e-3), ("h", 0.1)):
         step = 1e-5 * start
         up, down = (
             frequency(
-                build_document(
-                    apply(document, [{"op": "name", "name": name, "to": {"value": repr(start + s)}}])[0]
-                ).model()
+                build(apply(document, [{"op": "name", "name": name, "to": {"value": repr(start + s)}}])[0]).model()
             )
             for s in (step, -step)
         )
@@ -124,5 +122,5 @@ def test_a_block_of_leaf_springs_is_differentiated_by_its_sizes():
 @pytest.mark.slow
 def test_what_is_done_to_a_builder_is_not_seen_by_the_next_who_asks():
     document = documents.planar_guide()
-    build_document(document).builder.force("left1", (1.0, 0.0))
-    assert build_document(document).builder.loads["initial"] == {}
+    build(document).builder.force("left1", (1.0, 0.0))
+    assert build(document).builder.loads["initial"] == {}

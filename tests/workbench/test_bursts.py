@@ -11,7 +11,7 @@ from cases.tolerances import approx
 from cases.workbench import Client, served
 
 import flexmb as fm
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.document import Document
 
 pytestmark = pytest.mark.timeout(180)
@@ -52,7 +52,7 @@ def current(client: Client, revision: int) -> dict:
 
 def frequency(client: Client) -> float:
     document = Document.from_data(client.told["document"]["document"])
-    return float(fm.frequencies(build_document(document).model())[0])
+    return float(fm.frequencies(build(document).model())[0])
 
 
 @pytest.mark.slow

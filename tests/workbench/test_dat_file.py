@@ -12,7 +12,7 @@ import flexmb as fm
 from flexmb.design.study_file import read_study
 from flexmb.errors import ModelError
 from flexmb.mechanisms import mechanism_path
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.dat_file import NoValueError, cannot_hold, open_dat, save_dat
 from flexmb.workbench.document import Document, apply
 from flexmb.workbench.from_builder import document_of
@@ -160,7 +160,7 @@ def test_what_a_file_cannot_hold_is_listed_all_at_once(tmp_path):
     save_dat(half, tmp_path / "half.dat")
     read = fm.read_spacar(tmp_path / "half.dat", numbers={"t": 0.5e-3, "L": 0.1, "d": 0.1})
     np.testing.assert_allclose(
-        fm.frequencies(read.builder.build()), fm.frequencies(build_document(half).builder.build()), rtol=1e-12
+        fm.frequencies(read.builder.build()), fm.frequencies(build(half).builder.build()), rtol=1e-12
     )
 
 

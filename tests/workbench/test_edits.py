@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, numeric_values, positions
+from flexmb.workbench.building import build, numeric_values, positions
 from flexmb.workbench.document import Document, EditError, apply
 from flexmb.workbench.undo import History
 
@@ -28,7 +28,7 @@ def thing(document, name):
 
 
 def frequency(document):
-    built = build_document(document)
+    built = build(document)
     assert (built.problems, built.skipped) == ([], [])
     return float(fm.frequencies(built.model())[0])
 
@@ -123,10 +123,10 @@ def test_references_follow_a_name():
             ("prestress", None, {"element": "pivot leaf 1", "values": ["0", "0", "0", "1"]}),
         ],
     )
-    assert build_document(document).problems == []
+    assert build(document).problems == []
     ops = [{"op": "rename", "id": "5", "to": "joint"}, {"op": "set", "address": "5/stage", "to": "top"}]
     other = edited(document, *ops, {"op": "rename", "id": "3", "to": "foot"}, {"op": "rename", "name": "t", "to": "th"})
-    assert build_document(other).problems == []
+    assert build(other).problems == []
     assert thing(other, "arm")["args"]["nodes"] == ["top", "joint axis"]
     assert other.by_id["8"]["args"]["weights"] == [["velocity top.x", "1/th"], ["top.rotation.phi", "2"]]
     assert other.by_id["9"]["args"]["element"] == "joint leaf 1"
@@ -150,10 +150,10 @@ def test_a_node_and_an_element_may_bear_the_same_name():
             ("sensor", "both", {"weights": [["2.y", "1"], ["velocity 2.x", "1"]]}),
         ],
     )
-    assert build_document(document).problems == []
+    assert build(document).problems == []
     other = edited(document, {"op": "rename", "id": "1", "to": "foot"}, {"op": "rename", "id": "3", "to": "arm"})
     other = edited(other, {"op": "rename", "id": "2", "to": "top"})
-    assert build_document(other).problems == []
+    assert build(other).problems == []
     assert other.by_id["3"]["args"]["nodes"] == ["foot", "top"]
     assert other.by_id["7"]["args"]["of"] == "arm"
     assert other.by_id["8"]["args"]["weights"] == [["top.y", "1"], ["velocity top.x", "1"]]
@@ -172,7 +172,7 @@ def test_what_refers_to_what_is_deleted_goes_along():
     document, report = apply(GUIDE, [{"op": "delete", "ids": ["4"]}])
     assert report.also == ["5", "11", "12", "14"]
     assert [t["id"] for t in document.things] == ["1", "2", "3", "6", "7", "8", "9", "10", "13"]
-    assert build_document(document).problems == []
+    assert build(document).problems == []
     assert apply(GUIDE, [{"op": "delete", "ids": ["1"]}])[1].also == ["2", "5", "9"]
 
 
@@ -181,11 +181,11 @@ def test_a_copy_stands_beside_its_original_and_refers_to_its_own():
     ids = [t["id"] for t in GUIDE.things]
     document, report = apply(GUIDE, [{"op": "copy", "ids": ids, "by": ["3*d", "0"], "count": 2}])
     assert len(report.ids) == 2 * (len(ids) - 2)
-    places, problems = positions(document), build_document(document).problems
+    places, problems = positions(document), build(document).problems
     assert problems == []
     assert places["right5"] == approx([0.7, 0.1], rel=1e-12)
-    one = fm.frequencies(build_document(GUIDE).model())
-    three = fm.frequencies(build_document(document).model())
+    one = fm.frequencies(build(GUIDE).model())
+    three = fm.frequencies(build(document).model())
     assert np.asarray(three) == approx(np.repeat(np.asarray(one), 3), rel=1e-9)
 
 
@@ -269,15 +269,15 @@ def test_an_exploded_block_is_the_same_mechanism(name, dimension):
     parts, report = apply(document, [{"op": "explode", "id": "5"}])
     assert len(report.ids) > 2
     assert all(t["call"] != f"blocks.{name}" for t in parts.things)
-    built = build_document(parts)
+    built = build(parts)
     assert (built.problems, built.skipped) == ([], [])
-    here, there = (np.asarray(fm.frequencies(build_document(one).model())) for one in (document, parts))
+    here, there = (np.asarray(fm.frequencies(build(one).model())) for one in (document, parts))
     assert there[:5] == approx(here[:5], rel=1e-9)
 
 
 def test_problems_name_the_field_and_the_rest_is_built():
     def problems(*ops):
-        built = build_document(edited(GUIDE, *ops))
+        built = build(edited(GUIDE, *ops))
         return [(p["address"], p["message"]) for p in built.problems], built.skipped
 
     def set_(address, to):
@@ -317,7 +317,7 @@ def test_a_circle_of_names_is_told_and_a_long_chain_is_none():
     circle = edited(
         GUIDE, {"op": "name", "name": "a", "to": {"value": "b+1"}}, {"op": "name", "name": "b", "to": {"value": "2*a"}}
     )
-    found = build_document(circle).problems
+    found = build(circle).problems
     assert [p["address"] for p in found] == ["names/b/value", "names/a/value"] or {p["address"] for p in found} == {
         "names/a/value",
         "names/b/value",
@@ -383,7 +383,7 @@ def test_undo_gives_the_text_back_after_any_edits(ops):
             assert history.document.text == texts[-1]
             continue
         texts.append(history.document.text)
-        built = build_document(history.document)
+        built = build(history.document)
         known = {one["id"] for one in history.document.things} | {"names"}
         assert all(p["address"].partition("/")[0] in known for p in built.problems)
         assert set(built.skipped) | set(built.made) == {one["id"] for one in history.document.things}

@@ -10,7 +10,7 @@ import pytest
 import flexmb as fm
 from flexmb import materials, planar, spatial
 from flexmb.mechanisms import mechanism_path
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.from_builder import document_of
 
 from ..cases import mechanisms
@@ -19,7 +19,7 @@ SHIPPED = sorted(path.stem for path in Path(mechanism_path("pf2d")).parent.glob(
 
 
 def rebuilt(document) -> fm.Builder:
-    found = build_document(document)
+    found = build(document)
     assert found.problems == []
     assert found.skipped == []
     return found.builder
@@ -237,7 +237,7 @@ def test_names_of_a_function_are_kept_with_its_arithmetic():
     data = {**document.data, "names": {n: {**own} for n, own in document.names.items()}}
     data["names"]["t"]["value"] = "0.8e-3"
     data["names"]["length"]["value"] = "0.12"
-    built = build_document(type(document).from_data(data)).builder.build()
+    built = build(type(document).from_data(data)).builder.build()
     np.testing.assert_allclose(fm.frequencies(built), fm.frequencies(guide(t=0.8e-3, length=0.12)), rtol=1e-12)
 
 

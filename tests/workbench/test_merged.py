@@ -2,7 +2,7 @@
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.calls_of import Calls
 from flexmb.workbench.content import FORMAT, Document
 from flexmb.workbench.from_builder import merged
@@ -27,7 +27,7 @@ def frame() -> fm.Builder:
 
 
 def test_a_rotation_beside_two_positions_stays_by_itself():
-    found = build_document(merged(document(frame()), "")).builder
+    found = build(merged(document(frame()), "")).builder
     assert found.members["1"].nodes == ("1", "2", "3", "3.rotation")
     assert found.members["2"].nodes == ("5", "2", "6", "6.rotation")
 
@@ -51,7 +51,7 @@ def test_what_is_fixed_and_named_stays_so():
         ("dof", {"of": "roof", "components": "1", "kind": "element"}),
         ("moment", {"node": "foot", "moment": ["1"]}),
     ]
-    found = build_document(after).builder
+    found = build(after).builder
     assert found.members["1"].nodes == ("1", "hub", "foot", "foot.rotation")
     counts = [one.build(check=False).counts() for one in (b, found)]
     assert counts[0] == counts[1]

@@ -6,7 +6,7 @@ from cases import documents
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.document import Document, EditError, apply
 
 
@@ -153,7 +153,7 @@ def test_the_image_of_a_stiffness_has_other_signs():
 
 def loaded(document):
     """Frequencies about the equilibrium under loads, which feel every sign, and where node C is there."""
-    built = build_document(document)
+    built = build(document)
     assert (built.problems, built.skipped) == ([], [])
     model = built.model()
     found = np.sort(np.abs(np.imag(np.asarray(fm.poles(model)))))
@@ -227,7 +227,7 @@ def with_block(dimension, name, **more) -> Document:
 
 
 def frequencies(document):
-    built = build_document(document)
+    built = build(document)
     assert (built.problems, built.skipped) == ([], [])
     return np.asarray(fm.frequencies(built.model()))[:6]
 
@@ -253,13 +253,13 @@ def test_a_block_whose_leaves_change_places_is_exploded_first_where_they_are_nam
     ids = [thing["id"] for thing in document.things]
     named = {"call": "prestress", "args": {"element": "block leaf 1", "values": ["0", "0", "0", "1"]}}
     document, _ = apply(document, [{"op": "add", "thing": named}])
-    assert build_document(document).problems == []
+    assert build(document).problems == []
     op = {"op": "mirror", "ids": ids, "axis": "x", "at": "0"}
     with pytest.raises(EditError, match="Explode it first"):
         apply(document, [op])
     parts, _ = apply(document, [{"op": "explode", "id": "5"}])
     there = mirrored(parts, "x")
-    assert build_document(there).problems == []
+    assert build(there).problems == []
     assert frequencies(there) == approx(frequencies(parts), rel=1e-7)
 
 

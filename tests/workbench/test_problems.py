@@ -3,7 +3,7 @@
 import pytest
 from cases import documents
 
-from flexmb.workbench.building import build_document, numeric_values, positions, structure
+from flexmb.workbench.building import build, numeric_values, positions, structure
 from flexmb.workbench.document import Document, EditError, apply
 from flexmb.workbench.fields import calls
 
@@ -51,13 +51,13 @@ def test_no_field_of_a_call_breaks_the_building(name):
     document, report = apply(document, [{"op": "add", "thing": {"call": name, "args": {}}}])
     (id,) = report.ids
     needed = [field for field in call.entry["fields"] if not field["optional"]]
-    built = build_document(document)
+    built = build(document)
     assert {p["address"] for p in built.problems} >= {f"{id}/{field['name']}" for field in needed}
     assert (id in built.skipped) == bool(built.problems)
     for field in call.fields:
         for value in (*ODD, *LISTS):
             other, _ = apply(document, [{"op": "set", "address": f"{id}/{field}", "to": value}])
-            built = build_document(other)
+            built = build(other)
             assert {p["address"].partition("/")[0] for p in built.problems} <= {id}, (field, value, built.problems)
             assert all(p["message"] for p in built.problems)
             assert len(built.skipped) == (1 if built.problems else 0)
@@ -73,11 +73,11 @@ def test_a_document_of_another_version_is_kept_and_told():
         "things": [*data["things"], {"id": "77", "call": "planar.cam", "name": "c", "args": {"nodes": ["A"]}}],
     }
     document = Document.from_data(data)
-    built = build_document(document)
+    built = build(document)
     assert [p["address"] for p in built.problems] == ["77"]
     assert "This version has no call" in built.problems[0]["message"]
     other, _ = apply(document, [{"op": "set", "address": "77/nodes", "to": ["B"]}, {"op": "delete", "ids": ["77"]}])
-    assert build_document(other).problems == []
+    assert build(other).problems == []
 
 
 FORMAT = {"format": "flexmb workbench 1", "dimension": 2}

@@ -7,7 +7,7 @@ import pytest
 
 import flexmb as fm
 from flexmb.mechanisms import mechanism_path
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.document import Document, apply
 from flexmb.workbench.from_builder import document_of
 from flexmb.workbench.python_file import python_of
@@ -29,7 +29,7 @@ def function_of(script: str):
 def test_script_builds_the_same_model(drawn):
     document = drawn()
     script = python_of(document)
-    builder = build_document(document).builder
+    builder = build(document).builder
     check_same_contents(function_of(script)(), builder)
     space = {"__name__": "script"}
     exec(script, space)
@@ -39,19 +39,19 @@ def test_script_builds_the_same_model(drawn):
     given = {name: 1.1 * float(own["value"]) for name, own in document.names.items() if name == "t"}
     other = apply(document, [{"op": "set", "address": "names/t/value", "to": repr(given["t"])}])[0]
     found = fm.frequencies(space["mechanism"](**given))
-    np.testing.assert_allclose(found, fm.frequencies(build_document(other).builder.build()), rtol=1e-12)
+    np.testing.assert_allclose(found, fm.frequencies(build(other).builder.build()), rtol=1e-12)
     assert abs(found[0] / fm.frequencies(model)[0] - 1) > 0.1
 
 
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_mechanism(name):
     document, _ = document_of(fm.read_spacar(mechanism_path(name)))
-    check_same_contents(function_of(python_of(document))(), build_document(document).builder)
+    check_same_contents(function_of(python_of(document))(), build(document).builder)
 
 
 def test_every_feature_in_space():
     document, _ = document_of(everything(fm.Builder()))
-    check_same_contents(function_of(python_of(document))(), build_document(document).builder)
+    check_same_contents(function_of(python_of(document))(), build(document).builder)
 
 
 @pytest.mark.slow
@@ -76,7 +76,7 @@ def test_building_blocks_and_derived_names():
     script = python_of(document)
     assert "def mechanism(t=0.2e-3, lambda_=7):" in script
     assert "b_ = 10*t*2\n" in script or "b = 10*t*2\n" in script
-    check_same_contents(function_of(script)(), build_document(document).builder)
+    check_same_contents(function_of(script)(), build(document).builder)
 
 
 @pytest.mark.slow
@@ -96,4 +96,4 @@ def test_what_cannot_be_built_stands_in_a_comment_and_nothing_is_run():
     assert all(len(line) < 300 for line in script.splitlines())
     builder = function_of(script)()
     assert [signal.name for signal in builder.signals["input"]][-1] == 'a"); raise SystemExit #'
-    check_same_contents(builder, build_document(document).builder)
+    check_same_contents(builder, build(document).builder)

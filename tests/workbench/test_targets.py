@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 import flexmb as fm
 from flexmb.workbench import targets, traced, wants
-from flexmb.workbench.building import build_document
+from flexmb.workbench.building import build
 from flexmb.workbench.document import apply
 
 
@@ -50,7 +50,7 @@ def want(answer, value, kind="equal"):
 
 
 def frequency(document):
-    return float(fm.frequencies(build_document(document).builder.build())[0])
+    return float(fm.frequencies(build(document).builder.build())[0])
 
 
 @pytest.mark.slow
@@ -167,7 +167,7 @@ def test_a_second_search_traces_nothing_and_other_numbers_share_it(monkeypatch):
 def test_derivatives_agree_with_differences():
     document = loaded(planar_guide(), "1")
     keys = ["frequency 1", "multiplier 1", "stress", "mass", "stiffness x", "displacement", "displacement x"]
-    function = traced.traced(document, build_document(document).builder.build(), keys, "left1")
+    function = traced.traced(document, build(document).builder.build(), keys, "left1")
     at = function.at(document)
     names = {name: k for k, name in enumerate(function.names)}
     x = np.array([mechanisms.THICKNESS, mechanisms.LENGTH, mechanisms.DISTANCE])[[*names.values()]]

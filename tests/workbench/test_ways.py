@@ -7,7 +7,7 @@ import pytest
 from cases.tolerances import approx
 
 import flexmb as fm
-from flexmb.workbench.building import build_document, numeric_values
+from flexmb.workbench.building import build, numeric_values
 from flexmb.workbench.document import Document, apply
 from flexmb.workbench.live import Live
 from flexmb.workbench.live_answers import Answers, Wants
@@ -42,7 +42,7 @@ def guide(foot: str = "0", **more: str) -> Document:
 
 
 def answers(document: Document, **wants) -> Answers:
-    found = Answers(build_document(document).builder.build(), Wants(**wants))
+    found = Answers(build(document).builder.build(), Wants(**wants))
     for _, analyse in found.analyses():
         analyse()
     return found
@@ -80,7 +80,7 @@ def difference(function, step: float) -> float:
 
 
 def answers_at(document: Document, values: dict, key: str) -> float:
-    model = build_document(document, values).builder.build()
+    model = build(document, values).builder.build()
     if key == "frequency 1":
         return float(fm.frequencies(model)[0])
     if key == "multiplier 1":
