@@ -561,15 +561,15 @@ FAULTS = [
     Fault("math/lyapunov.py", "lower=adjoint)", "lower=False)", "control/test_noise.py -k derivatives", slow=True),
     Fault(
         "control/nonlinear_system.py",
-        "memory = began[1] if question[:2] == began[0] else memory",
-        "memory = memory",
+        "self.memory = self.memory_before",
+        "pass",
         "control/test_nonlinear_system.py -k loop_of_python_control",
         slow=True,
     ),
     Fault(
         "control/nonlinear_system.py",
-        "if count == MANY:",
-        "if count < 0:",
+        "if self.count == MANY:",
+        "if self.count < 0:",
         "control/test_nonlinear_system.py -k many_evaluations",
     ),
     Fault(
@@ -4616,8 +4616,8 @@ FAULTS = [
     ),
     Fault(
         "statics/coarse.py",
-        "odd & (strokes > LONGEST_STROKE)",
-        "odd & (strokes > 100 * LONGEST_STROKE)",
+        "is_odd & (strokes > LONGEST_STROKE)",
+        "is_odd & (strokes > 100 * LONGEST_STROKE)",
         "statics/test_coarse.py -k skew_and_twisted",
         slow=True,
     ),

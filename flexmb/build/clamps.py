@@ -145,7 +145,7 @@ def _reach_in_line(
 
     Args:
         twin: Copy of the builder, with ``clamped`` of its leaf springs.
-        kept: Whether a clamp keeps an end flat, by element and number of the end.
+        flat_ends: Whether a clamp keeps an end flat, by element and number of the end.
     """
     leaves = {
         name: member for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields

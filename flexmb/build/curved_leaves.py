@@ -14,7 +14,6 @@ from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from .clamps import FOLD, elements_at, leaf_axes, nodes_of_kind, span_of
 from .description import Description, Member
-from .ends_in_line import LONGEST_STROKE, prescribed_stroke
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
 SHARP = 0.15
@@ -24,9 +23,6 @@ STEEPEST = np.radians(20.0)
 SLANT = 0.75
 # Least length over width, and least width over thickness, compared with solid elements.
 SHORTEST, NARROWEST = 0.5, 4.0
-# Largest initial twist [rad] without a warning at strokes, and least order at which they were compared with solid
-# elements. Where the stiffness across the stroke is near its least value, it is up to 55 % off at any twist above.
-MOST_TWIST, FINE_ORDER = np.radians(2.0), 9
 # Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 
@@ -44,7 +40,6 @@ def warn_of_curved_leaves(builder: Description) -> None:
         for name, leaf in leaves.items():
             _warn_of_sharp(name, leaf, _rectangle(leaf))
             _warn_of_slant(builder, name, leaf)
-            _warn_of_twist(builder, name, leaf)
             alone = all(other == name or other not in leaves for node in leaf.nodes for other in joined[node])
             _warn_of_stocky(builder, name, leaf, alone)
         for node, names in joined.items():
@@ -100,33 +95,6 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
             f" compared with solid elements up to {SLANT}. Divide the leaf spring, or compare it yourself.",
             BeamTheoryWarning,
         )
-
-
-def _warn_of_twist(builder: Description, name: str, leaf: Member) -> None:
-    curvature = leaf.properties.get("curvature")
-    length, stroke = float(span_of(builder, leaf)), prescribed_stroke(builder)
-    if curvature is None or builder.dimension == 2 or stroke <= LONGEST_STROKE * length:
-        return
-    bends = np.atleast_2d(np.asarray(curvature_at(curvature, np.linspace(0, 1, 21))).T)
-    twist = length * float(np.mean(np.abs(bends[0]))) if len(bends) == 3 else 0.0
-    if twist > MOST_TWIST:
-        warn(
-            f"Element '{name}' has an initial twist of {np.degrees(twist):.3g} degrees, and a prescribed stroke of"
-            f" {stroke / length:.2g} of its length. {_advice_on_twist(leaf)}",
-            BeamTheoryWarning,
-        )
-
-
-def _advice_on_twist(leaf: Member) -> str:
-    if leaf.element.options["order"] < FINE_ORDER:
-        return (
-            f"Its strains need more coefficients: use order={FINE_ORDER}. With order 6 the stiffness across the stroke"
-            " may be 15 % too high."
-        )
-    return (
-        "The force and the stiffness along it agree with solid elements within 3 %. The stiffness across the stroke"
-        " may be 55 % off where it has a minimum. Compare it with solid elements."
-    )
 
 
 def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) -> None:

@@ -161,8 +161,8 @@ def _independent(
     Args:
         candidates: Indices of deformations, (m,).
         effects: Their changes in each motion, (m, f).
-        rest: Projector onto motions that named degrees of freedom leave undetermined, (f, f).
-        wanted: Most deformations to choose.
+        undetermined: Projector onto motions that named degrees of freedom leave undetermined, (f, f).
+        count: Most deformations to choose.
         beside: Whether degrees of freedom are named.
     """
     chosen: list[int] = []

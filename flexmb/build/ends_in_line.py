@@ -23,11 +23,6 @@ from .description import Description, Member
 # width of skew leaf springs and of parts beside a step; ratio of thicknesses at a step in width.
 SKEWEST, NUS, NARROWEST = np.radians(50.0) * (1 + 1e-9), (0.2 - 1e-9, 0.4 + 1e-9), 0.2 * (1 - 1e-9)
 SHORTEST_SKEW, SHORTEST_PART, THICKER = 1.5 * (1 - 1e-9), 0.8 * (1 - 1e-9), 1.2
-# Largest prescribed stroke over the length of a leaf spring with initial twist or wide skew cuts, without a warning.
-LONGEST_STROKE = 0.01
-# Largest distance along a leaf spring between both edges of its skew cuts, the sum of both ends, over its length: 30
-# degrees at one end at a width of 0.2 of the length. Up to it, stiffnesses at strokes of a fifth are within 2.5 %.
-LONGEST_CUT = 0.12
 
 
 def with_steps(described: Description, builder: Description) -> Description:
@@ -149,12 +144,6 @@ def warn_of_ends(described: Description) -> None:
             faults = _about_skew(
                 np.asarray(skew, float), sizes[:, 0], min(lengths), np.atleast_2d(np.asarray(clamped))[0]
             )
-            long = float(np.abs(np.tan(np.asarray(skew, float))) @ sizes[:, 0]) / float(length)
-            if long > LONGEST_CUT and (stroke := prescribed_stroke(described)) > LONGEST_STROKE * float(length):
-                faults.append(
-                    f"skew cuts {long:.2g} times as long as the leaf spring, and a prescribed stroke of"
-                    f" {stroke / float(length):.2g} of its length, where stiffnesses may be 16 % off"
-                )
         if stepped:
             faults += _about_steps(np.asarray(clamped)[2:].T, sizes, lengths)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
@@ -167,15 +156,6 @@ def warn_of_ends(described: Description) -> None:
             )
         if skew is not None:
             _check_stiff(name, member, float(length))
-
-
-def prescribed_stroke(described: Description) -> float:
-    """Return the largest known prescribed displacement of a node [m]."""
-    entries = [entry for loads in described.loads.values() for entry in loads.get("prescribed", {}).items()]
-    points = [
-        value for (kind, node, _), value in entries if kind == "node" and described.nodes[node].kind.part == "position"
-    ]
-    return max((abs(float(value)) for value in points if is_concrete(value)), default=0.0)
 
 
 def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, clamped: np.ndarray) -> list[str]:

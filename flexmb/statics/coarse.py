@@ -3,15 +3,15 @@
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
 from ..arguments import is_concrete
-from ..build.curved_leaves import MOST_TWIST
-from ..build.ends_in_line import LONGEST_CUT, LONGEST_STROKE
 from ..checks.mobility import allowed_motions, constraints
 from ..display import listed, short
 from ..elements.curves import curvature_at
+from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, CoarseWarning, warn
@@ -19,12 +19,32 @@ from ..math.sparse import LARGE
 from ..mechanics.extent import coordinate_scales
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
-from ..numerical_limits import COARSE_ANGLE, NEEDLESS_ENERGY, STRAIN_ROUND_OFF, STRETCHED_BEAM, WIDEST_BENT
+from ..numerical_limits import (
+    COARSE_ANGLE,
+    FINE_TWIST_ORDER,
+    LONGEST_CUT,
+    LONGEST_STROKE,
+    MOST_TWIST,
+    NEEDLESS_ENERGY,
+    STRAIN_ROUND_OFF,
+    STRETCHED_BEAM,
+    WIDEST_BENT,
+)
 
 # Number of elements or deformations named in a warning.
 NAMED = 3
 # Index of the last point among the nodes of a leaf spring.
 LAST = 3
+# Warnings of leaf springs at strokes, by the stroke over the length. The errors are beside solid elements.
+CUT_TEXT = "wide skew cuts at a stroke of {:.2g} of the length. Stiffnesses may be 16 % off. Compare them yourself."
+TWIST_TEXT = (
+    "initial twist at a stroke of {:.2g} of the length. The stiffness across the stroke may be 55 % off where it has a"
+    " minimum. Compare it yourself."
+)
+ROUGH_TWIST_TEXT = (
+    "initial twist at a stroke of {:.2g} of the length. The stiffness across the stroke may be 15 % too high. Use"
+    f" order={FINE_TWIST_ORDER}."
+)
 
 
 def warn_of_coarse(model: Model, e: Any) -> None:
@@ -83,17 +103,13 @@ def warn_of_coarse(model: Model, e: Any) -> None:
 
 
 def _leaf_springs(model: Model) -> list[tuple[Any, dict[str, Any]]]:
-    """Blocks of leaf springs in space with rectangles as sections, and their properties."""
+    """Blocks of leaf springs in space with known numbers, and their properties."""
     pairs = zip(model.topology.blocks, model.parameters.properties, strict=True)
-    clamped = [
+    return [
         (block, properties)
         for block, properties in pairs
         if "clamped" in properties and len(block.element.fields) == len(FIELDS)
-    ]
-    return [
-        (block, properties)
-        for block, properties in clamped
-        if isinstance(properties["section"], Rectangle) and is_concrete(properties)
+        if properties["section"] is not None and is_concrete(properties)
     ]
 
 
@@ -102,10 +118,10 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
     bent: dict[str, float] = {}
     reference = np.asarray(model.parameters.reference)
     for block, properties in leaves:
-        numbers, section = (
-            np.asarray(block.e)[:, np.array(block.element.fields[FIELDS.index("EIy")]) - 1],
-            properties["section"],
-        )
+        section = properties["section"]
+        if not isinstance(section, Rectangle):
+            continue
+        numbers = np.asarray(block.e)[:, np.array(block.element.fields[FIELDS.index("EIy")]) - 1]
         odd = (-1.0) ** np.arange(numbers.shape[1])
         curves = np.abs(np.stack([e[:, numbers].sum(axis=2), e[:, numbers] @ odd])).max(axis=(0, 1))
         points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
@@ -124,36 +140,44 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
 
 
 def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
-    """Warn of leaf springs with skew cuts or initial twist at strokes; ``build`` warns of strokes that it knows."""
-    far: dict[str, float] = {}
+    """Warn of leaf springs with wide skew cuts or initial twist at strokes."""
+    far: dict[str, dict[str, float]] = {}
     reference = np.asarray(model.parameters.reference)
-    loads = (model.parameters.loads, model.parameters.increment)
-    known = max((float(np.max(np.abs(one.x), initial=0.0)) for one in loads if one and one.x is not None), default=0.0)
-    for block, own in leaves:
+    for block, properties in leaves:
         points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
         lengths = np.linalg.norm(points[LAST] - points[0], axis=1)
-        odd = np.zeros(len(block.e), bool)
-        if own.get("skew") is not None:
-            # A section without one width has no such limit: every skew cut warns.
-            cuts = np.sum(np.abs(np.tan(np.asarray(own["skew"]))), axis=1)
-            widths = getattr(own["section"], "width", None)
-            odd = cuts > (0 if widths is None else LONGEST_CUT * lengths / np.asarray(widths))
-        if own.get("curvature") is not None:
-            bends = np.asarray(jax.vmap(lambda own: curvature_at(own, np.linspace(0, 1, 21)))(own["curvature"]))
-            if bends.ndim == 3:
-                odd |= lengths * np.mean(np.abs(bends[:, :, 0]), axis=1) > MOST_TWIST
         first, second = (np.asarray(block.e)[:, block.element.fields[FIELDS.index("EIy")][k] - 1] for k in range(2))
         # Displacement of an end from the tangent at the other end, over the length: integrals of the curvature.
         strokes = np.max(np.abs(e[:, first]) / 2 + np.abs(e[:, second]) / 6, axis=0, initial=0.0)
-        for i in np.flatnonzero(odd & (strokes > LONGEST_STROKE) & (known <= LONGEST_STROKE * lengths)):
-            far[str(model.labels.e[first[i]].of)] = float(strokes[i])
-    if far:
-        warn(
-            f"{_named(far)}: a skew cut or initial twist at a stroke of {max(far.values()):.2g} of its"
-            f" length. Beyond {LONGEST_STROKE:g} the stiffness across the stroke may be 16 % off with skew cuts, and"
-            " 55 % with initial twist. Compare it with solid elements.",
-            BeamTheoryWarning,
-        )
+        of_twist = TWIST_TEXT if block.element.options["order"] >= FINE_TWIST_ORDER else ROUGH_TWIST_TEXT
+        for text, is_odd in (
+            (CUT_TEXT, _cut_lengths(properties, lengths) > LONGEST_CUT),
+            (of_twist, _initial_twists(properties, lengths) > MOST_TWIST),
+        ):
+            for i in np.flatnonzero(is_odd & (strokes > LONGEST_STROKE)):
+                far.setdefault(text, {})[str(model.labels.e[first[i]].of)] = float(strokes[i])
+    for text, strokes in far.items():
+        warn(f"{_named(strokes)}: {text.format(max(strokes.values()))}", BeamTheoryWarning)
+
+
+def _cut_lengths(properties: dict[str, Any], lengths: np.ndarray) -> np.ndarray:
+    """Distances along leaf springs between both edges of their skew cuts, the sum of both ends, over the lengths."""
+    if properties.get("skew") is None:
+        return np.zeros(len(lengths))
+
+    def widths(section: Any, length: Any) -> Any:
+        return jnp.stack([leaf_of(section, None).rectangle(place, length).width for place in (0.0, 1.0)])
+
+    ends = np.asarray(jax.vmap(widths)(properties["section"], lengths))
+    return np.sum(np.abs(np.tan(np.asarray(properties["skew"]))) * ends, axis=1) / lengths
+
+
+def _initial_twists(properties: dict[str, Any], lengths: np.ndarray) -> np.ndarray:
+    """Initial twist of leaf springs [rad]."""
+    if properties.get("curvature") is None:
+        return np.zeros(len(lengths))
+    curvatures = np.asarray(jax.vmap(lambda c: curvature_at(c, np.linspace(0, 1, 21)))(properties["curvature"]))
+    return lengths * np.mean(np.abs(curvatures[:, :, 0]), axis=1) if curvatures.ndim == 3 else np.zeros(len(lengths))
 
 
 def _named(sizes: dict[str, float]) -> str:

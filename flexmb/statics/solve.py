@@ -134,7 +134,7 @@ def solve_state(
     """Equilibrium with everything of first order about it; differentiable.
 
     ``tell_critical``: whether the code reports a critical state, which is correct nevertheless. Returns state,
-    ``near``, code of RESULTS, number of Newton iterations, and the load factors that load steps reached.
+    ``last_strain``, code of RESULTS, number of Newton iterations, and the load factors that load steps reached.
     """
     # The pull of laws in the undeformed mechanism is only known as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
@@ -153,8 +153,8 @@ def solve_onward(
 ) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], Begin]:
     """Equilibrium from a known one, with loads between them; differentiable, but not by the start.
 
-    Returns state, ``near``, code of RESULTS, critical_state included, number of Newton iterations, and the start for
-    the next equilibrium.
+    Returns state, ``last_strain``, code of RESULTS, critical_state included, number of Newton iterations, and the start
+    for the next equilibrium.
     """
     at, last_strain, reached, iterations, result = _solve(topology, parameters, target, begin)
     return at, last_strain, _singular_if_irregular(at, result), iterations, jax.lax.stop_gradient(reached)

@@ -161,7 +161,7 @@ def test_a_bar_that_cannot_bend_may_stretch():
 @pytest.mark.slow
 @pytest.mark.parametrize("how", ["skew", "twist"])
 def test_strokes_of_skew_and_twisted_leaf_springs_warn_wherever_they_are_reached(how):
-    """`build` knows prescribed strokes alone: forces reach a stroke too. A twisted strip is stiffer."""
+    """Forces reach a stroke too. A twisted strip is stiffer."""
 
     def guided(force, **properties):
         b = fm.Builder()
@@ -176,5 +176,5 @@ def test_strokes_of_skew_and_twisted_leaf_springs_warn_wherever_they_are_reached
 
     shape = {"curvature": lambda s: (np.radians(30) / 0.1, 0.0, 0.0)} if how == "twist" else {"skew": (0.7, 0.0)}
     fm.equilibrium(guided(0.1, **shape))
-    with pytest.warns(fm.BeamTheoryWarning, match=r"Element 'leaf': .* at a stroke of 0\.\d+ of its length"):
+    with pytest.warns(fm.BeamTheoryWarning, match=r"Element 'leaf': .* at a stroke of 0\.\d+ of the length"):
         fm.equilibrium(guided(60.0 if how == "twist" else 5.0, **shape))
