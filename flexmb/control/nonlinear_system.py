@@ -92,6 +92,65 @@ def memory_at_start(model: Model) -> np.ndarray:
     return np.concatenate([start.x, start.e])
 
 
+class _Plant:
+    """Rates and outputs of a mechanism; it remembers the coordinates that Newton's method begins from.
+
+    python-control asks several times at a state. Each time, Newton's method begins from the same memory: otherwise the
+    last digits of the outputs change, and python-control takes their change for an algebraic loop.
+    """
+
+    def __init__(self, model: Model, driven: tuple[Driven, ...]):
+        self.model, self.driven = model.without_names(), driven
+        self.freedoms, self.memory = freedoms_in_memory(model), memory_at_start(model)
+        # The last question (time, state, inputs) and its answer, and the memory before it.
+        self.question: tuple[bytes, ...] = ()
+        self.answer: Any = None
+        self.memory_before = self.memory
+        self.count, self.begin = 0, np.inf
+
+    def evaluate(self, t: float, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return rates and outputs."""
+        question = tuple(np.asarray(number, float).tobytes() for number in (t, x, u))
+        if question == self.question:
+            return self.answer
+        if question[:2] == self.question[:2]:
+            self.memory = self.memory_before
+        self.question, self.answer, self.memory_before = question, None, self.memory
+        # Another simulation begins at the same time or before.
+        self.count, self.begin = (1, float(t)) if t <= self.begin else (self.count + 1, self.begin)
+        if self.count == MANY:
+            warn(
+                f"The plant was evaluated {MANY} times, up to {float(t):.4g} s. Explicit methods, such as RK45 by"
+                " default, follow the fastest vibration of the mechanism. Pass solve_ivp_method='Radau' to"
+                " control.input_output_response, or use fm.simulate with control=."
+            )
+        self.answer = self._computed(t, np.asarray(x, float), u)
+        return self.answer
+
+    def _computed(self, t: float, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        n = self.model.topology.n_q
+        before = self.memory[self.freedoms.places] - self.freedoms.origins
+        change = x[:n] - before
+        least = max(np.ceil(np.max(np.abs(change) / self.freedoms.sizes, initial=0.0) / STEP), 1)
+        for finer in 4 ** np.arange(FINER + 1):
+            if not least * finer <= FARTHEST:
+                break
+            steps, memory = int(least * finer), self.memory
+            for k in range(1, steps + 1):
+                state = np.concatenate([before + change * k / steps, np.zeros(n)]) if k < steps else x
+                numbers = (np.asarray(number, float) for number in (t, state, memory, u))
+                evaluated = jax.device_get(plant_rates(self.model, self.driven, *numbers))
+                memory = evaluated.memory
+                if not evaluated.gap < DEPENDENT_FOUND:
+                    break
+            else:
+                self.memory = memory
+                return evaluated.rates, evaluated.y
+        # The next question is answered anew.
+        self.question = ()
+        raise AnalysisError("out_of_reach", RESULTS.out_of_reach.message)
+
+
 def to_nonlinear_system(
     model: Model, *, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> "control.NonlinearIOSystem":
@@ -131,63 +190,11 @@ def to_nonlinear_system(
     inputs, outputs = model.labels.inputs, model.labels.outputs
     check_signals(model, "A plant")
     driven = driven_by(model, Drives(loads=loads, motion=motion))
-    nameless, freedoms = model.without_names(), freedoms_in_memory(model)
-    n, memory = model.topology.n_q, memory_at_start(model)
-
-    # The last question with its answer, and the state of that question with the memory that it began from.
-    last: tuple[Any, Any] = (None, None)
-    began: tuple[Any, np.ndarray] = (None, memory)
-    count = 0
-
-    def evaluated(t: float, x: np.ndarray, u: np.ndarray):
-        """Return rates and outputs.
-
-        python-control asks several times at a state. Without the same memory each time, Newton's method changes the
-        last digits of outputs, and python-control takes their change for an algebraic loop.
-        """
-        nonlocal memory, last, began, count
-        question = tuple(np.asarray(number, float).tobytes() for number in (t, x, u))
-        if question == last[0]:
-            return last[1]
-        memory = began[1] if question[:2] == began[0] else memory
-        began = question[:2], memory
-        count += 1
-        if count == MANY:
-            warn(
-                f"The plant was evaluated {MANY} times, up to {float(t):.4g} s. Explicit methods, such as RK45 by"
-                " default, follow the fastest vibration of the mechanism. Pass solve_ivp_method='Radau' to"
-                " control.input_output_response, or use fm.simulate with control=."
-            )
-        answer = computed(t, x, u)
-        last = question, answer
-        return answer
-
-    def computed(t: float, x: np.ndarray, u: np.ndarray):
-        nonlocal memory
-        before = memory[freedoms.places] - freedoms.origins
-        way = np.asarray(x, float)[:n] - before
-        least = np.ceil(np.max(np.abs(way) / freedoms.sizes, initial=0.0) / STEP)
-        for finer in 4 ** np.arange(FINER + 1):
-            if not max(least, 1) * finer <= FARTHEST:
-                break
-            steps, at = int(max(least, 1) * finer), memory
-            found: Any = None
-            for k in range(1, steps + 1):
-                state = np.concatenate([before + way * k / steps, np.zeros(n)]) if k < steps else np.asarray(x, float)
-                numbers = (np.asarray(number, float) for number in (t, state, at, u))
-                found = jax.device_get(plant_rates(nameless, driven, *numbers))
-                at = found.memory
-                if not found.gap < DEPENDENT_FOUND:
-                    break
-            else:
-                memory = at
-                return found.rates, found.y
-        raise AnalysisError("out_of_reach", RESULTS.out_of_reach.message)
-
+    plant = _Plant(model, driven)
     names = [name.replace(".", " ") for name in model.q_labels]
     return control.nlsys(
-        lambda t, x, u, params: evaluated(t, x, u)[0],
-        lambda t, x, u, params: evaluated(t, x, u)[1],
+        lambda t, x, u, params: plant.evaluate(t, x, u)[0],
+        lambda t, x, u, params: plant.evaluate(t, x, u)[1],
         inputs=[s.name.replace(".", " ") for s in inputs],
         outputs=[s.name.replace(".", " ") for s in outputs],
         states=names + [f"d {name}" for name in names],

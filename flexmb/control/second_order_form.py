@@ -204,7 +204,7 @@ def _about_state(
     held: tuple[ConstrainedCoordinate, ...],
     xp: Any,
 ) -> tuple[Any, ...]:
-    """The twelve matrices of one state, by NumPy or by jax.numpy; in ``whole`` held coordinates are last."""
+    """The twelve matrices of one state, by NumPy or by jax.numpy; in ``extended`` held coordinates are last."""
     n, causes = m.M0.shape[0], terms_of(inputs)
     parts = (extended.K, extended.C0 + extended.D0, extended.M0)
     columns = [input_row(s, extended.x, extended.DFx, extended.DFe) if s.order is None else None for s in causes]

@@ -249,7 +249,7 @@ class _Opener:
 
 
 def _needed(equations: list[Equation], needed_atoms: set[Atom]) -> list[Equation]:
-    """Equations for wanted values, also in loops and branches; ``wanted`` grows by their inputs."""
+    """Equations for wanted values, also in loops and branches; ``needed_atoms`` grows by their inputs."""
     needed_equations = []
     for equation in reversed(equations):
         if not needed_atoms.intersection(equation.outputs):

@@ -593,7 +593,7 @@ def stress(
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.
-        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`block_resultants`; ``at=path``
+        points, at, step, time, load_factor, increment, sparse, throw: As for :func:`section_resultants`; ``at=path``
             and ``at=motion`` return all their states.
 
     Returns:
@@ -609,7 +609,7 @@ def stress(
         AnalysisError: As for ``equilibrium``.
 
     Source:
-        :func:`block_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
+        :func:`section_resultants`, and :mod:`flexmb.elements.surface` for the stress of each section.
     """
     left_out = left_out_of_stress(as_model(model, "stress"))
     where = Where(at, step, time, increment)
