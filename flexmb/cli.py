@@ -314,9 +314,9 @@ def _print_answer(
     """Write, draw and print an answer with its warnings; exit with status 1 if its status is not "ok".
 
     Args:
-        of: Name of the input file.
+        name: Name of the input file.
         text: Text for the terminal; None without an answer.
-        found: Result to draw; None without one.
+        result: Result to draw; None without one.
         picture: Function of :mod:`flexmb.plot` instead of the usual one.
     """
     from .answers.answer_files import to_json
@@ -507,7 +507,7 @@ def verdict(
     def build(**numbers: Any) -> Any:
         return read_spacar(model, numbers=numbers).builder.build()
 
-    with heard() as messages:
+    with heard() as heard_warnings:
         try:
             built: Any = build if dimensions else read.builder.build()
             target: Any = {name.strip(): length} if equals else length
@@ -519,7 +519,7 @@ def verdict(
             data |= {"status": getattr(fault, "code", "not_valid"), "message": str(fault)}
         except ValueError as fault:
             _refuse(f"flexmb verdict: {' '.join(str(fault).split())}")
-    data["warnings"] = [*read.warnings, *dict.fromkeys(messages)]
+    data["warnings"] = [*read.warnings, *dict.fromkeys(heard_warnings)]
     _print_answer(
         data, read.name, None if assessment is None else str(assessment), json_path, plot, assessment, "verdict"
     )
@@ -548,15 +548,15 @@ def fmu(
     from .answers.answers import reader_warnings
 
     read, _ = _read(model, numbers)
-    messages, unit, status, message = [], None, "ok", ""
+    heard_warnings, unit, status, message = [], None, "ok", ""
     with _refusing(read.name), _writing(to):
         try:
-            with heard() as messages:
+            with heard() as heard_warnings:
                 unit = _unit(read, int(mode), release)(to, int(fmi))
             WRITTEN.append(to)
         except (AnalysisError, MechanismError) as fault:
             status, message = fault.code, str(fault)
-    warnings = [*reader_warnings(int(mode), read.warnings), *dict.fromkeys(messages)]
+    warnings = [*reader_warnings(int(mode), read.warnings), *dict.fromkeys(heard_warnings)]
     data = {"status": status, "message": message, "warnings": warnings}
     _print_answer(data, read.name, None if unit is None else repr(unit))
 
@@ -676,10 +676,10 @@ def _study(
 
     _check_files(path, f"flexmb {command}", json=json_path, save=save, plot=plot)
     _prepare_jax()
-    name, messages, read, text, result = printable(path.name), [], None, None, None
+    name, heard_warnings, read, text, result = printable(path.name), [], None, None, None
     with _refusing(path=path, how="read or write"):
         try:
-            with heard() as messages:
+            with heard() as heard_warnings:
                 read = read_study(path)
                 data, text, saved, result = work(read)
         except (AnalysisError, ModelError) as fault:
@@ -688,7 +688,7 @@ def _study(
             data = {"study": name, "flexmb": __version__, "status": getattr(fault, "code", "not_valid"), "message": why}
         else:
             _store(save, saved)
-    data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(messages)]
+    data["warnings"] = [*(read.warnings if read else ()), *dict.fromkeys(heard_warnings)]
     _print_answer(data, name, text, json_path, plot, result)
 
 

@@ -314,8 +314,8 @@ def _moving(entry: Any, labels: Any) -> str:
     if entry.kind == "internal":
         # The coefficients of the strains are the last deformations of their element.
         element = entry.of.removesuffix(".internal")
-        names = [one.name for one in labels.e if one.of == element]
-        count = sum(one.of == entry.of for one in labels.x)
+        names = [candidate.name for candidate in labels.e if candidate.of == element]
+        count = sum(candidate.of == entry.of for candidate in labels.x)
         name = names[len(names) - count + entry.component - 1] if len(names) >= count else ""
         return f"{next((verb for field, verb in STRAINING.items() if name.startswith(field)), 'deforms')} '{element}'"
     turns = entry.kind == "rotation" and entry.symbol != "phi"

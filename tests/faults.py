@@ -2032,7 +2032,7 @@ FAULTS = [
     Fault("statics/stable.py", "SHARE * resisting", "0.0 * resisting", "statics/test_stable.py -k signs"),
     Fault(
         "statics/stable.py",
-        "return negative_if_constrained(tangent, factored, assembled.n) != 0",
+        "return negative_under_constraints(tangent, factored, assembled.n) != 0",
         "return False",
         "statics/test_stable.py -k columns",
     ),
@@ -4725,7 +4725,7 @@ FAULTS = [
     # The command line, files and answers.
     Fault(
         "cli.py",
-        "(read.warnings if read else ()), *dict.fromkeys(messages)]",
+        "(read.warnings if read else ()), *dict.fromkeys(heard_warnings)]",
         "(read.warnings if read else ())]",
         "design/test_study.py -k warnings_of_the_work",
     ),

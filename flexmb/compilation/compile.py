@@ -133,7 +133,7 @@ def compiled(function: Callable[..., Any], name: str, counts: bool = True) -> Ca
 
     @functools.lru_cache(MOST_VARIANTS)
     def variant(structure: Any, fixed: tuple[Any, ...], mode: str, keeps: bool, _: Any):
-        def own(*leaves: Any):
+        def counted(*leaves: Any):
             with noted(name, structure, fixed, leaves, counts):
                 return whole(structure, fixed, *leaves)
 
@@ -142,10 +142,10 @@ def compiled(function: Callable[..., Any], name: str, counts: bool = True) -> Ca
         def program(*leaves: Any):
             global _programs_left
             _programs_left -= 1
-            return kept.call_kept(own, key, leaves)
+            return kept.call_kept(counted, key, leaves)
 
         # The list stores whether the program was found to call the host.
-        return under_name(own if mode == "nested" else program, name, OPTIONS[mode]), [False]
+        return under_name(counted if mode == "nested" else program, name, OPTIONS[mode]), [False]
 
     @unguarded
     def run(structure: Any, fixed: tuple[Any, ...], leaves: list[Any]):

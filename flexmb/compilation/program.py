@@ -222,8 +222,8 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
             before it; otherwise ValueError.
 
     Returns:
-        For each group a stage ``(*own, *kept) -> (result, more)``: from its arguments and everything kept by earlier
-        stages to its result and a tuple of arrays kept for later stages.
+        For each group a stage ``(*arguments, *carried) -> (result, more)``: from its arguments and all that earlier
+        stages carry on, to its result and a tuple of arrays for later stages.
     """
     leaves, structure = jax.tree.flatten(tuple(groups))
 
@@ -260,7 +260,7 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
 
 
 def _in_groups(values: Sequence[Any], like: Sequence[Any]) -> list[list]:
-    """Things in groups, as many in each as some trees have leaves."""
+    """Values in groups, as many in each as some trees have leaves."""
     remaining = iter(values)
     return [list(itertools.islice(remaining, len(jax.tree.leaves(part)))) for part in like]
 

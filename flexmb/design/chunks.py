@@ -182,7 +182,7 @@ class _Compiled:
             results, self.is_compiled = [self.program(parts[0])], True
         results += in_threads(self.program, parts[len(results) :], self.threads)
         values = {
-            name: np.concatenate([portion[name] for portion, _ in results])[: part.real] for name in results[0][0]
+            name: np.concatenate([answers[name] for answers, _ in results])[: part.real] for name in results[0][0]
         }
         codes = np.concatenate([codes for _, codes in results])[:count]
         return values, np.where(refused, RESULTS.impossible_design, codes)[: part.real].astype(np.int32)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .designs import double_numbers
+from .designs import float_array
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -37,8 +37,8 @@ class Curve:
             ValueError: Numbers are not finite, or the lengths differ.
         """
         where, curve_values = (
-            double_numbers("The places of a curve", over),
-            double_numbers("The values of a curve", values),
+            float_array("The places of a curve", over),
+            float_array("The values of a curve", values),
         )
         if where.ndim != 1 or not len(where) or curve_values.shape not in ((), where.shape):
             shapes = f"{where.shape} places and {curve_values.shape} values"

@@ -35,8 +35,8 @@ class Designs(Result, dict[str, np.ndarray]):
         Raises:
             ValueError: There are no designs, their numbers differ, or a value is no number.
         """
-        super().__init__({name: double_numbers(f"Dimension '{name}'", v) for name, v in values.items()})
-        self.axes = {name: double_numbers(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
+        super().__init__({name: float_array(f"Dimension '{name}'", v) for name, v in values.items()})
+        self.axes = {name: float_array(f"Axis '{name}'", v) for name, v in (axes or {}).items()}
         for name, v in self.items():
             if v.ndim == 0 or len(v) == 0:
                 raise ValueError(f"Dimension '{name}' has no designs. Give one value for each design.")
@@ -74,7 +74,7 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
         Cartesian product.
     """
     values = {
-        name: np.atleast_1d(double_numbers(f"Axis '{name}' of a grid", v)) for name, v in _together(axes, named).items()
+        name: np.atleast_1d(float_array(f"Axis '{name}' of a grid", v)) for name, v in _together(axes, named).items()
     }
     for name, v in values.items():
         if v.ndim != 1 or len(v) == 0:
@@ -87,7 +87,7 @@ def grid(axes: Mapping[str, Any] | None = None, /, **named: Any) -> Designs:
 def checked_bounds(name: str, bounds: Any) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of a dimension, finite and in this order."""
     try:
-        lower, upper = (double_numbers(f"Bounds of '{name}'", b) for b in bounds)
+        lower, upper = (float_array(f"Bounds of '{name}'", b) for b in bounds)
     except (TypeError, ValueError):
         text = printable(repr(bounds))
         raise ValueError(f"Bounds of '{name}' must be two numbers, lower and upper, but are {text}.") from None
@@ -175,7 +175,7 @@ def _together(table: Mapping[str, Any] | None, named: dict[str, Any]) -> dict[st
     return {**(table or {}), **named}
 
 
-def double_numbers(what: str, value: Any) -> np.ndarray:
+def float_array(what: str, value: Any) -> np.ndarray:
     """A number or an array of numbers in double precision."""
     try:
         array = np.asarray(value)

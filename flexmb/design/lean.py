@@ -19,7 +19,7 @@ from ..linear.modes import modes
 from ..model.model import Model
 from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
 from ..questions.question import asked
-from .designs import double_numbers
+from .designs import float_array
 from .deviation import Deviation, Response, deviation, in_band, largest_deviation, response
 
 # Beams of a leaf spring in the full model.
@@ -201,7 +201,7 @@ def lean(
             f"Argument `increments` must be a list of factors such as [0.0, 5.0], not {short_repr(increments)}."
         )
     try:
-        increments = double_numbers("Argument `increments`", list(increments)).ravel().tolist()
+        increments = float_array("Argument `increments`", list(increments)).ravel().tolist()
         finest = check_whole("finest", finest, 2)
     except (TypeError, ValueError) as fault:
         raise ModelError(f"{fault} `finest` sets the beams of the full model.") from None

@@ -58,8 +58,8 @@ class StrokeQuestions:
         self.unanswered: dict[str, str] = {}
         self.missing: dict[float, str] = {}
         self.questions: dict[str, Callable[[AtStroke, Any], dict[str, Any]]] = {
-            "drive": lambda at, rest: {"force": at.force, "drive stiffness": at.stiffness},
-            "stress": lambda at, rest: _stresses(_stress(at)),
+            "drive": lambda at, x_at_rest: {"force": at.force, "drive stiffness": at.stiffness},
+            "stress": lambda at, x_at_rest: _stresses(_stress(at)),
             "buckling": _buckling,
             "support stiffness": self._stiffnesses,
             "parasitic motion": self._parasitic,
@@ -69,7 +69,7 @@ class StrokeQuestions:
     def ask_too(self, name: str) -> None:
         """Ask another question by its text about the held state, at once at zero stroke; KeyError, ValueError."""
         question = asked(name)
-        self.questions[name] = lambda at, rest: {name: question(at.held)}
+        self.questions[name] = lambda at, x_at_rest: {name: question(at.held)}
         self.values.clear()
         self.look(0.0)
 

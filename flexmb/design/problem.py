@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import printable
 from ..numerical_limits import TARGET_OF_TUNE_MET
 from .curve import Curve
-from .designs import double_numbers
+from .designs import float_array
 from .evaluate import Layout
 
 # Number of missed targets or violated constraints in a message.
@@ -179,7 +179,7 @@ def _entries(name: str, shape: tuple[int, ...], value: Any, kind: str) -> np.nda
             raise ValueError(f"The curve of target '{name}' has {count} places, but the answer has shape {shape}.")
         return value.values
     try:
-        return np.broadcast_to(double_numbers(kind, value), shape).ravel()
+        return np.broadcast_to(float_array(kind, value), shape).ravel()
     except (TypeError, ValueError):
         expected = f"must be a number or of shape {shape}"
         raise ValueError(f"The {kind} of '{name}' {expected}, but is {printable(repr(value))}.") from None

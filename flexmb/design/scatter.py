@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from ..display import Result, Summary, short
 from ..errors import printable
-from .designs import Designs, double_numbers
+from .designs import Designs, float_array
 from .evaluate import Layout, layout_of
 
 KINDS = ("normal", "lognormal", "uniform", "triangular")
@@ -110,7 +110,7 @@ class Scatter(Result):
 
 def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return nominal values of dimensions and of other parameters with scatter; ValueError for a missing value."""
-    values = {name: double_numbers(f"Dimension '{name}'", value) for name, value in dimensions.items()}
+    values = {name: float_array(f"Dimension '{name}'", value) for name, value in dimensions.items()}
     values |= {name: value for name, value in scatter.nominal.items() if name not in values}
     for name in scatter.spreads:
         if name not in values:
@@ -250,14 +250,14 @@ def scatter(
         for name in pair:
             if str(name).partition("[")[0] not in spreads:
                 raise ValueError(f"{subject}: '{printable(name)}' has no scatter.")
-        number = double_numbers(subject, value)
+        number = float_array(subject, value)
         if number.shape or not -1 < number < 1:
             raise ValueError(f"{subject} is {value}. It must be a number between -1 and 1.")
         if pair in pairs or pair[::-1] in pairs:
             raise ValueError(f"{subject} is given twice.")
         pairs[pair] = float(number)
     values = {
-        name: double_numbers(f"Nominal value of '{printable(name)}'", value) for name, value in (nominal or {}).items()
+        name: float_array(f"Nominal value of '{printable(name)}'", value) for name, value in (nominal or {}).items()
     }
     for name in values:
         if name not in spreads:
@@ -285,7 +285,7 @@ def _spread(name: str, distribution: Any) -> Spread:
             f"Scatter of '{name}' must be a standard deviation, an object with ppf, or a tuple that begins with"
             f" {', '.join(KINDS[:-1])} or {KINDS[-1]}, not {printable(repr(distribution))}."
         )
-    deviations = double_numbers(f"Scatter of '{name}'", list(sizes)).ravel().tolist()
+    deviations = float_array(f"Scatter of '{name}'", list(sizes)).ravel().tolist()
     two = kind in ("uniform", "triangular")
     if len(deviations) not in ((1, 2) if two else (1,)) or not np.all(np.isfinite(deviations)):
         raise ValueError(f"Scatter of '{name}': {kind} takes {'one or two numbers' if two else 'one number'}.")

@@ -255,16 +255,16 @@ def _augmented(
                 return end, "the search ran into designs that fail", evaluate.failed
             values, slopes = evaluation
             violation = problem.violation(values)
-            gradient = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
+            gradient_size = _projected(unit, slopes.T @ problem.slope(values, multipliers, weight))
             # A limit that is not reached has no multiplier at the optimum.
             updated = problem.updated(values, multipliers, weight)
             slack = np.max(np.abs(updated[1] * problem.limits(values)), initial=0.0)
             if violation <= tolerance and slack <= 10 * tolerance:
-                if gradient <= 10 * STATIONARY:
+                if gradient_size <= 10 * STATIONARY:
                     return unit, "the conditions of an optimum hold", RESULTS.successful
-                nearest = min(nearest, (gradient, unit), key=lambda pair: pair[0])
+                nearest = min(nearest, (gradient_size, unit), key=lambda pair: pair[0])
             # Multipliers do not help where round-off of the answers hides the descent.
-            stuck = violation <= tolerance and gradient > stationarity and np.array_equal(unit, last)
+            stuck = violation <= tolerance and gradient_size > stationarity and np.array_equal(unit, last)
             if stuck or not constrained:
                 break
             if violation > max(VIOLATION_FALLS * before, tolerance) and weight < LARGEST_WEIGHT:

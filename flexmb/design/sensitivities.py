@@ -15,7 +15,7 @@ from ..display import Result, Summary, counted, largest, short
 from ..errors import AnalysisError, warn
 from ..files import for_files
 from ..results import NO_DERIVATIVE, RESULTS, check
-from .designs import double_numbers
+from .designs import float_array
 from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
 
 # Cost of a reverse pass over the cost of a forward pass (benchmarks/first_impression.py).
@@ -119,7 +119,7 @@ def derived(
     build: Build, answers: Answers, dimensions: Mapping[str, Any], second_order: bool, mode: str | None, throw: bool
 ) -> tuple[Sensitivities, Callable[[np.ndarray], Any]]:
     """Return sensitivities, and the compiled function from (n,) to values, slopes, curvatures and code."""
-    dimensions = {name: double_numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+    dimensions = {name: float_array(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     check_dimensions(build, layout.names)
     function, rows = flat_function(build, functions, layout, build_once(build, dimensions))

@@ -116,7 +116,10 @@ class SampledDesign:
             rows, codes = jax.lax.map(inner, to_rows(flat))
             values = of_answers.split(rows[1:].T)
             parts = [rows[0]]
-            parts += [jnp.ravel(statistic_value(one, values[one.answer])) for one in self.statistics.values()]
+            parts += [
+                jnp.ravel(statistic_value(statistic, values[statistic.answer]))
+                for statistic in self.statistics.values()
+            ]
             if acceptable:
                 parts.append(smooth_yield(values, acceptable)[None])
             return jnp.concatenate(parts), worst_of([codes])

@@ -168,12 +168,12 @@ def driven(model: Model, name: str | None) -> StrokeDrive:
             f" axis: '{node}.rx'."
         )
     if index in np.asarray(roles_of_kind.fixed):
-        raise StrokeError(f"{called} is fixed in this model. {_moving_coordinates(model)}")
+        raise StrokeError(f"{called} is fixed in this model. {_moving_hint(model)}")
     prescribed = np.asarray(roles_of_kind.prescribed)
     free = _without_dofs(model, kind, np.setdiff1d(prescribed, index))
     constrained = _without_dofs(model, kind, np.union1d(prescribed, index))
     if allowed_motions(constrained)[0].shape[1] != allowed_motions(free)[0].shape[1] - 1:
-        raise ModelError(f"{called}: no motion of the undeformed mechanism moves it. {_moving_coordinates(model)}")
+        raise ModelError(f"{called}: no motion of the undeformed mechanism moves it. {_moving_hint(model)}")
     structure = with_dofs(constrained, model)
     dofs = {k: [*np.asarray(getattr(structure, k).dof).tolist(), *([index] if k == kind else [])] for k in "xe"}
     roles = {}
@@ -209,7 +209,7 @@ def _place_of_name(model: Model, name: str) -> tuple[str, int]:
         similar = [coordinate_name(model.labels.x[index])] if index >= 0 else []
         if not number.isdecimal() or not model.labels.coordinates(owner):
             similar = similar or difflib.get_close_matches(str(name), model.labels.names(), 1)
-        hint = f"Did you mean '{similar[0]}'?" if similar else _moving_coordinates(model, str(name))
+        hint = f"Did you mean '{similar[0]}'?" if similar else _moving_hint(model, str(name))
         raise StrokeError(f"There is no coordinate or deformation '{name}' to drive. {hint}")
     return place
 
@@ -225,13 +225,11 @@ def _of_model(model: Model) -> tuple[str, int]:
         candidates = [(kind, i) for i in moved] or candidates
     candidates = candidates or [(kind, i) for kind in "xe" for i in np.asarray(getattr(top, kind).dof).tolist()]
     if len(candidates) != 1:
-        raise StrokeError(
-            f"The stroke has no coordinate. Name one: stroke={{'top.x': 1e-3}}. {_moving_coordinates(model)}"
-        )
+        raise StrokeError(f"The stroke has no coordinate. Name one: stroke={{'top.x': 1e-3}}. {_moving_hint(model)}")
     return candidates[0]
 
 
-def _moving_coordinates(model: Model, name: str = "") -> str:
+def _moving_hint(model: Model, name: str = "") -> str:
     """A sentence with names of coordinates that move."""
     motions, _ = allowed_motions(model)
     moving = [

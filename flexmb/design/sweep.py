@@ -161,24 +161,19 @@ def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any
 
 
 def _check_stored(
-    checkpoint: Checkpoint,
-    worker: Worker,
-    designs: Designs,
-    parts: list[tuple[np.ndarray, Values]],
-    count: int,
-    chunk: int,
+    stored: Checkpoint, worker: Worker, designs: Designs, parts: list[tuple[np.ndarray, Values]], count: int, chunk: int
 ) -> None:
     """Refuse a checkpoint if some of its designs have other answers today, whatever the reason."""
     if not parts:
         return
-    names = list(checkpoint.answers)
+    names = list(stored.answers)
     known, codes = gathered(designs.count, names, parts)
-    stored = np.unique(np.concatenate([rows for rows, _ in parts]))
-    rows = stored[np.unique(np.linspace(0, len(stored) - 1, min(count, chunk, len(stored))).astype(int))]
+    places = np.unique(np.concatenate([rows for rows, _ in parts]))
+    rows = places[np.unique(np.linspace(0, len(places) - 1, min(count, chunk, len(places))).astype(int))]
     ((_, values),) = worker.results([chunk_of(designs, rows, chunk)])
     today, again = gathered(designs.count, names, [(rows, values)])
     if not np.array_equal(again[rows], codes[rows]):
-        raise checkpoint_error(checkpoint.path, "belongs to another sweep: some of its designs have other codes today")
+        raise checkpoint_error(stored.path, "belongs to another sweep: some of its designs have other codes today")
     good = rows[np.isin(codes[rows], ANSWERED)]
     for name in names:
         before, recomputed = known[name], today[name]
@@ -188,5 +183,5 @@ def _check_stored(
             recomputed[good], before[good], rtol=0, atol=SAME_STORED * scale, equal_nan=True
         ):
             raise checkpoint_error(
-                checkpoint.path, f"belongs to another sweep: answer '{printable(name)}' of some designs is another"
+                stored.path, f"belongs to another sweep: answer '{printable(name)}' of some designs is another"
             )

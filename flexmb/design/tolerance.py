@@ -12,7 +12,7 @@ from ..display import Column, Labelled, Quantities, Summary, counted, largest, l
 from ..errors import warn
 from ..numerical_limits import NOT_LINEAR, ZERO_SECOND_ORDER
 from ..results import ANSWERED
-from .designs import MOST, double_numbers
+from .designs import MOST, float_array
 from .evaluate import Answers, Build, Layout, layout_of
 from .scatter import Scatter, moments, nominal_values
 from .sensitivities import Sensitivities, derived
@@ -144,7 +144,7 @@ def tolerances(
         for name, deviation in by_name.items():
             if name not in dimensions:
                 raise ValueError(f"Deviation of '{name}': there is no such dimension ({', '.join(dimensions)}).")
-            size = double_numbers(f"Deviation of '{name}'", deviation)
+            size = float_array(f"Deviation of '{name}'", deviation)
             if not np.all(size >= 0) or not np.all(np.isfinite(size)):
                 raise ValueError(f"Deviation of '{name}' is {deviation}. It must be finite and not negative.")
     sensitivities, derivatives = derived(build, answers, dimensions, second_order, None, True)

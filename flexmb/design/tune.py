@@ -20,7 +20,7 @@ from ..progress import reporting
 from ..results import RESULTS
 from .choices import Options, combinations, options_of
 from .curve import Curve
-from .designs import double_numbers
+from .designs import float_array
 from .evaluate import (
     REFUSED,
     Answers,
@@ -138,7 +138,7 @@ def tune(
     Source:
         Augmented Lagrangian within bounds: Conn, Gould, Toint 1991; Nocedal, Wright 2006, algorithm 17.4.
     """
-    dimensions = {name: double_numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+    dimensions = {name: float_array(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
     asked = [name for name in (minimize, maximize) if name is not None]

@@ -19,7 +19,7 @@ from ..errors import heard
 from ..model.model import Model, as_determined, as_known_model
 from ..numerical_limits import LIMIT_ENDS, LIMIT_EXTREME, LIMIT_PLACE
 from ..progress import reporting
-from .designs import double_numbers
+from .designs import float_array
 from .evaluate import Build, check_dimensions
 from .judgement import Limit, Verdict, most
 from .over_stroke import StrokeQuestions, unit_of_curve
@@ -85,7 +85,7 @@ def verdict(
     if callable(model) and not isinstance(model, Model):
         if not dimensions:
             raise TypeError("fm.verdict of a function needs dimensions={'t': 0.5e-3, ..}, as fm.sensitivities does.")
-        dimensions = {name: double_numbers(f"Dimension '{name}'", v) for name, v in dimensions.items()}
+        dimensions = {name: float_array(f"Dimension '{name}'", v) for name, v in dimensions.items()}
         check_dimensions(model, tuple(dimensions))
         build, model = model, model(**dimensions)
     elif dimensions is not None:

@@ -50,7 +50,7 @@ class Comparison(Result):
     def worst(self) -> tuple[str, float]:
         """Measurement with the largest difference, and this difference in standard deviations [-]."""
         sizes = {name: float(np.max(np.abs(rows))) for name, rows in self.in_deviations.items()}
-        name = max(sizes, key=lambda one: sizes[one])
+        name = max(sizes, key=lambda key: sizes[key])
         return name, sizes[name]
 
     @property

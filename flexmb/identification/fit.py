@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arguments import check_by_name, check_choice, check_whole
 from ..compilation.compile import unguarded
-from ..design.designs import double_numbers
+from ..design.designs import float_array
 from ..design.evaluate import REFUSED, Build, Layout, check_answer_names, check_dimensions, layout_of
 from ..design.scaling import Scaling
 from ..errors import AnalysisError, first_line, printable, warn
@@ -79,7 +79,7 @@ def fit(
     check_choice("loss", loss, LOSSES)
     check_whole("starts", starts, 1)
     items = measurements(data)
-    values = {name: double_numbers(f"Parameter '{name}'", v) for name, v in parameters.items()}
+    values = {name: float_array(f"Parameter '{name}'", v) for name, v in parameters.items()}
     layout = layout_of(values)
     of_build = _build_arguments(build, items, layout.names)
     check_answer_names(layout.names, (), ())
@@ -132,7 +132,7 @@ def _priors(priors: Mapping[str, Any], layout: Layout) -> dict[int, Prior]:
         if name not in layout.names and name not in layout.labels:
             raise ValueError(f"Prior of '{printable(name)}': there is no such parameter ({', '.join(layout.names)}).")
         try:
-            mean, deviation = (double_numbers(f"Prior of '{name}'", part) for part in pair)
+            mean, deviation = (float_array(f"Prior of '{name}'", part) for part in pair)
         except (TypeError, ValueError):
             raise ValueError(
                 f"The prior of '{printable(name)}' must be a pair of mean and standard deviation."

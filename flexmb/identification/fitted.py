@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..arguments import check_number, check_whole
-from ..design.designs import double_numbers
+from ..design.designs import float_array
 from ..design.evaluate import Answers, named_answers
 from ..design.possible import refusal_of_designs
 from ..display import Result, Summary
@@ -362,7 +362,7 @@ class Fit(Result):
         Raises:
             ValueError: There is no set, a set has another number of values, or a value is not finite.
         """
-        sets = np.atleast_2d(double_numbers("Sets of values", values))
+        sets = np.atleast_2d(float_array("Sets of values", values))
         if sets.ndim != 2 or not len(sets) or sets.shape[1] != len(self.problem.measured):
             raise ValueError(f"Give sets of {len(self.problem.measured)} values each, not an array of {sets.shape}.")
         if len(wrong := np.argwhere(~np.isfinite(sets))):

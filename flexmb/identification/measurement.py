@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..design.designs import double_numbers
+from ..design.designs import float_array
 from ..errors import printable
 from ..numerical_limits import MISTAKEN_UNIT
 from ..questions.question import asked
@@ -136,7 +136,7 @@ def measured(
     function, given_name, parameters = _answer_of(answer)
     name = given_name if name is None else str(name)
     subject = f"Measurement '{printable(name)}'"
-    array = np.atleast_1d(double_numbers(f"{subject}: values", values))
+    array = np.atleast_1d(float_array(f"{subject}: values", values))
     if array.ndim > 1:
         raise ValueError(
             f"{subject} must have one number or a list of values, but its values have shape {array.shape}."
@@ -147,7 +147,7 @@ def measured(
             f"{subject} has a value that is not finite, number {wrong[0] + 1} of {len(array)}. Leave it out."
         )
     scatter = _scatter(subject, len(array), deviation, covariance)
-    places = None if over is None else np.atleast_1d(double_numbers(f"{subject}: places", over))
+    places = None if over is None else np.atleast_1d(float_array(f"{subject}: places", over))
     if places is not None and places.shape != array.shape:
         raise ValueError(f"{subject} has {len(array)} values at {places.size} places: give one place for each value.")
     return Measured(name, function, array, scatter, parameters, places, str(label))
@@ -177,7 +177,7 @@ def _scatter(subject: str, count: int, deviation: Any, covariance: Any) -> np.nd
     if covariance is not None:
         if deviation is not None:
             raise ValueError(f"{subject} has both deviation and covariance: give one.")
-        matrix = double_numbers(f"{subject}: covariance", covariance)
+        matrix = float_array(f"{subject}: covariance", covariance)
         if matrix.shape != (count, count):
             raise ValueError(
                 f"{subject} has {count} values and a covariance of shape {matrix.shape}: give one of {count, count}."
@@ -190,7 +190,7 @@ def _scatter(subject: str, count: int, deviation: Any, covariance: Any) -> np.nd
             raise ValueError(f"{subject} has a covariance that is not positive definite.") from None
     if deviation is None:
         return None
-    array = double_numbers(f"{subject}: deviation", deviation)
+    array = float_array(f"{subject}: deviation", deviation)
     if array.shape not in ((), (1,), (count,)):
         raise ValueError(f"{subject} has {count} values and {array.size} deviations: give one, or one for each value.")
     if not np.all(np.isfinite(array) & (array > 0)):

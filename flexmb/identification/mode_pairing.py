@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import check_whole
-from ..design.designs import double_numbers
+from ..design.designs import float_array
 from ..linear.linearize import linearize
 from ..linear.modes import frequencies
 from ..linear.spectrum import spectrum, to_frequency
@@ -53,8 +53,8 @@ def measured_modes(
     Source:
         Modal assurance criterion: Allemang, Brown 1982. Pairs maximise its sum (Hungarian algorithm of optax).
     """
-    found = np.atleast_1d(double_numbers(f"Measurement '{name}': values", hertz))
-    count = len(found)
+    array = np.atleast_1d(float_array(f"Measurement '{name}': values", hertz))
+    count = len(array)
     if shapes is None:
         if len(at):
             raise ValueError(f"Measurement '{name}' names sensors but has no shapes: give `shapes`, or leave out `at`.")
@@ -64,10 +64,10 @@ def measured_modes(
         if which.shape != (count,) or len(set(which.tolist())) < count:
             raise ValueError(f"Measurement '{name}' has {count} frequencies: give as many numbers of modes, each once.")
         order = np.argsort(which)
-        if falls := np.flatnonzero(np.diff(found[order]) < 0).tolist():
+        if falls := np.flatnonzero(np.diff(array[order]) < 0).tolist():
             lower, upper = order[falls[0]], order[falls[0] + 1]
             raise ValueError(
-                f"Measurement '{name}' has {found[lower]:g} Hz for mode {which[lower]} and {found[upper]:g} Hz for mode"
+                f"Measurement '{name}' has {array[lower]:g} Hz for mode {which[lower]} and {array[upper]:g} Hz for mode"
                 f" {which[upper]}. Modes are numbered by ascending frequency."
             )
         most = int(which.max())
@@ -79,10 +79,10 @@ def measured_modes(
                 raise ValueError(f"Measurement '{name}' has mode {most}, but the model has {len(lowest)} modes.")
             return lowest[which - 1]
 
-        return measured(answer_by_number, found, deviation, name=name, over=which, label="mode")
+        return measured(answer_by_number, array, deviation, name=name, over=which, label="mode")
     if numbers_of_modes is not None:
         raise ValueError(f"Measurement '{name}' has shapes, which select the modes: leave out `numbers_of_modes`.")
-    matrix = double_numbers(f"Measurement '{name}': shapes", shapes)
+    matrix = float_array(f"Measurement '{name}': shapes", shapes)
     if matrix.shape != (len(at), count) or not np.all(np.isfinite(matrix)):
         raise ValueError(
             f"Measurement '{name}' has {count} frequencies and {len(at)} sensors, but shapes of {matrix.shape}: give"
@@ -98,12 +98,12 @@ def measured_modes(
         pairs, alike = partners(_modes_at_sensors(model, at, among)[1], matrix)
         for i in np.flatnonzero(np.asarray(alike) < WORST_MAC):
             raise ValueError(
-                f"Mode {i + 1} of measurement '{name}', {found[i]:g} Hz, has no partner in the model: the modal"
+                f"Mode {i + 1} of measurement '{name}', {array[i]:g} Hz, has no partner in the model: the modal"
                 f" assurance criterion is {float(alike[i]):.2f} with its mode {int(pairs[i]) + 1}. Check the shape, the"
                 " sensors, or look among more modes (among)."
             )
 
-    single = measured(answer_by_shape, found, deviation, name=name, over=np.arange(1, count + 1), label="measured mode")
+    single = measured(answer_by_shape, array, deviation, name=name, over=np.arange(1, count + 1), label="measured mode")
     return dataclasses.replace(single, check=check)
 
 

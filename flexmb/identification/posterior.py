@@ -174,7 +174,7 @@ def _log_density(problem: FitProblem, *, known: bool) -> Callable[[Float[Array, 
             if scaling.log[i]:
                 total += jnp.log(flat[i])
         # Mechanisms without an answer are impossible.
-        good = jnp.any(code == jnp.array([int(one) for one in GOOD]))
+        good = jnp.any(code == jnp.array([int(result) for result in GOOD]))
         return jnp.where(good, total, -jnp.inf)
 
     return log_density

@@ -129,7 +129,7 @@ class FitProblem:
 
         def evaluate(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
             slopes, (rows, code) = self._differentiated(twice, layout)(unit, values)
-            return rows, slopes, jnp.any(code == jnp.array([int(one) for one in GOOD], code.dtype))
+            return rows, slopes, jnp.any(code == jnp.array([int(result) for result in GOOD], code.dtype))
 
         return evaluate
 

@@ -76,7 +76,7 @@ def _compiled(problem: FitProblem, unit: np.ndarray, sets: np.ndarray) -> EndsOf
     count = len(sets)
     places = [np.minimum(np.arange(first, first + TOGETHER), count - 1) for first in range(0, count, TOGETHER)]
     program = _program(problem)
-    ends = in_threads(lambda own: program(sets[own], rows[own], slopes, unit), places, cores())
+    ends = in_threads(lambda place: program(sets[place], rows[place], slopes, unit), places, cores())
     return EndsOfSearches(
         *(np.concatenate([np.asarray(part) for part in parts])[:count] for parts in zip(*ends, strict=True))
     )
@@ -153,7 +153,7 @@ def _every(problem: FitProblem) -> Callable[..., Any]:
         return end.unit, jnp.sum(end.rows**2), jnp.linalg.qr(weighted, mode="r"), end.converged
 
     def every(sets: Float[Array, "sets m"], rows: Array, slopes: Float[Array, "m n"], unit: Float[Array, "n"]):
-        return jax.lax.map(lambda own: search(own[0], own[1], slopes, unit), (sets, rows))
+        return jax.lax.map(lambda pair: search(pair[0], pair[1], slopes, unit), (sets, rows))
 
     return every
 

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..control.frequency_response import frequency_response
-from ..design.designs import double_numbers
+from ..design.designs import float_array
 from .measurement import Measured, measured
 
 
@@ -52,7 +52,7 @@ def measured_response(
     Source:
         y = gain exp(-2 pi i f delay) H(2 pi i f) u.
     """
-    places = np.atleast_1d(double_numbers(f"Measurement '{name}': frequencies", hertz))
+    places = np.atleast_1d(float_array(f"Measurement '{name}': frequencies", hertz))
     response: Any = np.atleast_1d(np.asarray(values, complex))
     if places.ndim > 1 or response.shape != places.shape:
         raise ValueError(

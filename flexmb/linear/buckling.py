@@ -385,9 +385,9 @@ def _by_sparse(
     count: int | None,
     solver: LinearSolver | None,
 ) -> Any:
-    """Answer of ``found`` by sparse factors; None if dense matrices answer.
+    """Answer of ``compute`` by sparse factors; None if dense matrices answer.
 
-    ``found`` is a function of model, load factors, count, and a state of a path. It returns multipliers first, and the
+    ``compute``: function of model, load factors, count, and a state of a path. It returns multipliers first, and the
     motion by the loads last.
     """
     if count is not None:

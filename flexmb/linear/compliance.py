@@ -20,7 +20,7 @@ from ..results import RESULTS, check, collect, or_nan
 from ..statics.equilibrium import Equilibrium
 from .about import Where, asked_about, linearized
 from .linearize import Linearization, ManyStates, Matrices
-from .loose import free_motions, moving_coordinates, naming_culprit, takes_part
+from .loose import free_motions, moving_names, naming_culprit, takes_part
 from .sparse_solve import sparse_solution
 
 
@@ -127,9 +127,9 @@ def _warn_of_instability(flexibility: Float[Array, "n n"], node: str, displaceme
 def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: Any) -> Float[Array, "n n"]:
     """Compliance of a node whose directions, ``jacobian``, must take part in no free motion of ``known`` numbers."""
     m, at = known[0].matrices, np.asarray(known[1])
-    flexibility, free, constrained = free_motions(m)
+    flexibility, free, springs = free_motions(m)
     if np.any(takes_part(at, free)):
-        moving = moving_coordinates(known[0].model, np.asarray(m.DFx) @ free)
+        moving = moving_names(known[0].model, np.asarray(m.DFx) @ free)
         raise AnalysisError(
             "singular_stiffness",
             f"The compliance of node '{node}' is unbounded: it takes part in a motion without stiffness: {moving}."
@@ -138,7 +138,7 @@ def _beside_free_motions(lin: Linearization, jacobian: Any, node: str, known: An
     if is_concrete(lin):
         return jnp.asarray(at @ flexibility @ at.T)
     # Springs on the free motions leave the rest as it is, and differentiable.
-    return jacobian @ jnp.linalg.solve(lin.matrices.K + constrained @ constrained.T, jacobian.T)
+    return jacobian @ jnp.linalg.solve(lin.matrices.K + springs @ springs.T, jacobian.T)
 
 
 def _directions(x: Float[Array, "n_x"], parts: tuple[Int[Array, "_n"], ...], local: bool) -> list[Float[Array, "m n"]]:
@@ -228,7 +228,7 @@ def directional_compliance(
     x, dfx = np.asarray(lin.matrices.x), np.asarray(lin.matrices.DFx)
     flexibility, free, _ = free_motions(lin.matrices)
     if free.shape[1]:
-        warn(f"The compliance is unbounded in motions without stiffness: {moving_coordinates(lin.model, dfx @ free)}.")
+        warn(f"The compliance is unbounded in motions without stiffness: {moving_names(lin.model, dfx @ free)}.")
     by_node = {}
     for node in dict.fromkeys(entry.of for entry in lin.labels.x):
         indices = lin.labels.coordinates(node)

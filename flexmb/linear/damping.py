@@ -243,7 +243,7 @@ def _rows_of(model: Model, key: Any) -> Int[np.ndarray, "k"]:
 
 
 def _is_same(stacked: Material, i: int, material: Material) -> bool:
-    """Whether a material of stacked elements is the wanted one, in element i."""
+    """Whether element i of stacked elements has a material with the numbers of ``material``."""
     pairs = [(getattr(stacked, f.name), getattr(material, f.name)) for f in dataclasses.fields(Material)]
     return all((value is None) == (other is None) for value, other in pairs) and all(
         np.all(np.asarray(value)[i] == other) for value, other in pairs if value is not None

@@ -27,7 +27,7 @@ from .spectrum import masses_of_motions
 TINY = np.finfo(float).tiny
 
 
-def moving_coordinates(model: Model, motions: np.ndarray) -> str:
+def moving_names(model: Model, motions: np.ndarray) -> str:
     """Names of the coordinates that move most in each motion, one motion a column, (n_x, k)."""
     names = []
     for motion in motions.T:
@@ -73,7 +73,7 @@ def negative_mass(lin: Linearization) -> str:
     motion = np.asarray(m.DFx) @ motions[:, 0]
     share = motion * (np.asarray(mass_matrix(lin.model.topology, lin.model.parameters, m.x)) @ motion)
     negative = [i for i in np.argsort(share) if share[i] < 0][:4]
-    return ", ".join(str(lin.labels.x[i]) for i in negative) or moving_coordinates(lin.model, motion[:, None])
+    return ", ".join(str(lin.labels.x[i]) for i in negative) or moving_names(lin.model, motion[:, None])
 
 
 def _is_negative(mass: np.ndarray) -> bool:
@@ -103,7 +103,7 @@ def without_mass(model: Model) -> str:
     mass = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
     values, vectors = np.linalg.eigh(motions.T @ mass @ motions)
     light = values <= NO_MASS * max(np.max(np.abs(values), initial=0.0), np.finfo(float).tiny)
-    return f"Motions without mass: {moving_coordinates(model, motions @ vectors[:, light])}." if np.any(light) else ""
+    return f"Motions without mass: {moving_names(model, motions @ vectors[:, light])}." if np.any(light) else ""
 
 
 def without_anything(lin: Linearization, *, damped: bool = True) -> str:
@@ -122,7 +122,7 @@ def without_anything(lin: Linearization, *, damped: bool = True) -> str:
     light = free @ combinations[:, shares <= NO_MASS]
     if not light.size:
         return ""
-    moving = moving_coordinates(lin.model, np.asarray(m.DFx) @ light)
+    moving = moving_names(lin.model, np.asarray(m.DFx) @ light)
     return (
         f"Here that is {moving}. It has no mass either. Give it a mass or an inertia (sections have rotary inertia"
         " unless rotary=False), or fix it."
@@ -166,7 +166,7 @@ def unresisted_note(lin: Linearization) -> str:
         return ""
     full = np.zeros((lin.model.topology.n_x, 1))
     full[elements.free, 0] = motion
-    return f"Here that is {moving_coordinates(lin.model, full)}."
+    return f"Here that is {moving_names(lin.model, full)}."
 
 
 @contextlib.contextmanager

@@ -99,8 +99,8 @@ def mode_assurance(one: Modes, other: Modes) -> Float[np.ndarray, "n m"]:
     Source:
         Modal assurance criterion, Allemang, Brown 1982, weighted with M0.
     """
-    for shapes in (one, other):
-        _check_modes(shapes, "mode_assurance")
+    for modes in (one, other):
+        _check_modes(modes, "mode_assurance")
     a, b = (_shapes_in(one.lin.model, modes, "mode_assurance") for modes in (one, other))
     m = np.asarray(one.lin.matrices.M0)
     return (a.T @ m @ b) ** 2 / np.outer(np.sum(a * (m @ a), axis=0), np.sum(b * (m @ b), axis=0))

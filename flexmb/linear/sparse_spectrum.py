@@ -21,7 +21,7 @@ from ..math.by_deformations import forces, refined_solution
 from ..math.element_matrices import AssembledEquations
 from ..math.linear import uneven
 from ..math.linear_solver import FactoredEquations, LinearSolver
-from ..math.sparse import SparseFactors, equilibrating, negative_if_constrained
+from ..math.sparse import SparseFactors, equilibrating, negative_under_constraints
 from ..numerical_limits import (
     COUNTED_BEFORE_LAST,
     EIGENVALUES_APART,
@@ -333,7 +333,7 @@ def refuse_negative_masses(whole: AssembledEquations) -> None:
     size, rows = np.abs(mass.diagonal()), whole.constraints
     some = NEGATIVE_MASS * np.where(size > 0, size, np.max(size, initial=0.0))
     matrix = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
-    if negative_if_constrained(matrix, SparseFactors(matrix), n) != 0:
+    if negative_under_constraints(matrix, SparseFactors(matrix), n) != 0:
         raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)
 
 

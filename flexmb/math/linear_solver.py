@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import check_flag, short_repr
 from ..numerical_limits import ZERO_SINGULAR_VALUE
 from .element_matrices import AssembledEquations, ElementMatrices
-from .sparse import negative_if_constrained
+from .sparse import negative_under_constraints
 
 
 class FactoredEquations(Protocol):
@@ -84,7 +84,7 @@ class SparseFactored:
 
     def negative(self) -> int | None:
         """See :class:`FactoredEquations`."""
-        return negative_if_constrained(self.matrix, self.factors, self._n)
+        return negative_under_constraints(self.matrix, self.factors, self._n)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -18,13 +18,13 @@ def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "
 
     def solved(matrix: Float[Array, "s n n"], adjoint: bool):
         # With A = U T U^H: T Y + Y T^H = F, last column first; adjoint: T^H Y + Y T = F, first column first.
-        own, around = (t.conj().T, t) if adjoint else (t, t.conj().T)
+        triangle, around = (t.conj().T, t) if adjoint else (t, t.conj().T)
         right = u.conj().T @ matrix.astype(complex) @ u
 
         def column(i: Array, y: Complex[Array, "s n n"]):
             j = i if adjoint else n - 1 - i
             known = right[:, :, j] - y @ around[:, j]
-            y_j = jax.lax.linalg.triangular_solve(own + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
+            y_j = jax.lax.linalg.triangular_solve(triangle + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
             return y.at[:, :, j].set(y_j.T)
 
         y = jax.lax.fori_loop(0, n, column, jnp.zeros_like(right))

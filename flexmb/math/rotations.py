@@ -107,7 +107,7 @@ def quaternion_product(second: Float[ArrayLike, "4"], first: Float[ArrayLike, "4
         first: Euler parameters, (4,) [-].
 
     Returns:
-        (4,) [-], scalar first. The rotation of a body since its start is ``product(now, inverse(start))``.
+        (4,) [-], scalar first. The rotation of a body since its start is ``quaternion_product(now, inverse(start))``.
 
     Source:
         Quaternion product second * first.

@@ -121,8 +121,8 @@ class SparsePattern:
             numbered.sort_indices()
             places = [numbered.data - 1, numbered.indices, numbered.indptr]
             self._places = ordering, *places
-        order, rows, columns = places
-        return scipy.sparse.csc_array((matrix.data[order], rows, columns), shape=self.size)
+        permutation, rows, columns = places
+        return scipy.sparse.csc_array((matrix.data[permutation], rows, columns), shape=self.size)
 
 
 class SparseFactors:
@@ -317,7 +317,7 @@ def equilibrating(matrix: Any, by_diagonal: bool = False) -> np.ndarray:
     return scale
 
 
-def negative_if_constrained(tangent: Any, factored: SparseFactors, n: int) -> int | None:
+def negative_under_constraints(tangent: Any, factored: SparseFactors, n: int) -> int | None:
     """Number of negative eigenvalues of a symmetric K subject to D v = 0; None if pivots do not determine it.
 
     Args:

@@ -72,9 +72,9 @@ def independent_rows(candidates: Any, wanted: int, threshold: float) -> tuple[li
 
     chosen, span_parts, sizes = [], [], []
     for part in _parts(candidates)[0]:
-        row_indices, directions, residuals = _pivoted(part.entries, wanted, threshold)
+        row_indices, directions, part_sizes = _pivoted(part.entries, wanted, threshold)
         chosen += part.rows[row_indices].tolist()
-        sizes += residuals
+        sizes += part_sizes
         span_parts += [(part.columns, direction[:, None]) for direction in directions]
     # Rows of different parts are independent of each other.
     best = np.argsort(-np.array(sizes), kind="stable")[: max(wanted, 0)]
@@ -181,8 +181,8 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
     count, labels = connected_components(graph, directed=False)
     members = _split(np.arange(len(labels)), labels, count)
     place = np.empty(len(labels), int)
-    for block in members:
-        place[block] = np.arange(len(block))
+    for indices in members:
+        place[indices] = np.arange(len(indices))
     of_row = np.bincount(labels[:m], minlength=count)
     parts = []
     for part, entries in zip(members, _split(np.arange(len(rows)), labels[rows], count), strict=True):
@@ -199,12 +199,12 @@ def _parts(matrix: Any) -> tuple[list[_Together], np.ndarray, np.ndarray]:
         block = np.zeros((m_own, len(part) - m_own))
         block[place[rows[entries]], place[m + columns[entries]] - m_own] = matrix.data[entries]
         parts.append(_Together(part[:m_own], part[m_own:] - m, block))
-    lonely = np.concatenate([block for block in members if len(block) == 1] or [np.zeros(0, int)])
+    lonely = np.concatenate([indices for indices in members if len(indices) == 1] or [np.zeros(0, int)])
     return parts, lonely[lonely < m], lonely[lonely >= m] - m
 
 
 def _split(items: np.ndarray, labels: np.ndarray, count: int) -> list[np.ndarray]:
-    """Things of each label, in order."""
+    """Items of each label, in order."""
     order = np.argsort(labels, kind="stable")
     return np.split(items[order], np.searchsorted(labels[order], np.arange(1, count)))
 

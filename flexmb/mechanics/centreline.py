@@ -34,8 +34,8 @@ def curves_of(
         start, end = coordinates_of_kind(kinds, block.splits, ref, "position")
         axis = end - start
         slopes = [
-            np.einsum("eij,ej->ei", turns_of(turned, turned_before), axis)
-            for turned, turned_before in zip(turns, before, strict=True)
+            np.einsum("eij,ej->ei", turns_of(rotation, rotation_before), axis)
+            for rotation, rotation_before in zip(turns, before, strict=True)
         ]
         return cubic(points[0], slopes[0], points[1], slopes[1], places)
     return _polyline(np.stack(points, axis=1), places)

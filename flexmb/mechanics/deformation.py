@@ -193,7 +193,7 @@ def deformation_curvature(
 
 
 def zero_strain(topology: Topology) -> Float[Array, "n_e"]:
-    """``near`` of the undeformed mechanism."""
+    """Last accepted strain of the undeformed mechanism, which is zero."""
     return jnp.zeros(topology.n_e)
 
 

@@ -78,7 +78,7 @@ class ByName:
         (states, 3) [rad], with a length of at most a full turn; the deformation of a hinge counts past full turns.
         Differentiable at zero rotation too. Raises KeyError: No such node or component, or the node has no rotation.
         """
-        return self._turned(self.x, node, component, lambda _, own: _vectors(own))
+        return self._turned(self.x, node, component, lambda _, values: _vectors(values))
 
     def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return velocities of a node's coordinates; for its rotation see :meth:`angular_velocity`.

@@ -95,7 +95,7 @@ def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> F
     return e @ form.elastic_stress(e) / 2
 
 
-def energy_from_residual(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
+def kinetic_from_residual(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
     """Kinetic energy [J], from the residual, which is linear in the accelerations."""
     n, none = equations.size - equations.states, jnp.zeros(equations.unknowns)
     w = state.w[:n]

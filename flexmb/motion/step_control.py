@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import optimistix as optx
 
 from ..numerical_limits import LARGE_DISPLACEMENT, RAN_AWAY
-from .balance import Balance, Before, StepError, at_start, elastic_energy, energy_from_residual, gained_between
+from .balance import Balance, Before, StepError, at_start, elastic_energy, gained_between, kinetic_from_residual
 from .events import Passing
 from .kinks import Kinks, search_of
 from .protocol import MotionState
@@ -60,7 +60,7 @@ class DisplacementController(diffrax.PIDController):
         if self.equations is not None:
             equations, t, state = jax.lax.stop_gradient((self.equations, t0, y0))
             balance = balance.with_energy(
-                elastic_energy(equations, t, state) + energy_from_residual(equations, t, state)
+                elastic_energy(equations, t, state) + kinetic_from_residual(equations, t, state)
             )
         return first[0], (first[1], Before(moved, balance), search_of(self.kinks, t0, y0))
 
@@ -135,7 +135,7 @@ class DisplacementController(diffrax.PIDController):
     def _balanced(self, balance: Balance, times: tuple[Any, Any], states: tuple[MotionState, MotionState]):
         """Energy gained in a step over the allowed one, and the balance after it."""
         equations, balance, times, states = jax.lax.stop_gradient((self.equations, balance, times, states))
-        energy = elastic_energy(equations, times[1], states[1]) + energy_from_residual(equations, times[1], states[1])
-        noise = energy_from_residual(equations, times[1], states[1]._replace(w=jnp.full_like(states[1].w, self.atol)))
+        energy = elastic_energy(equations, times[1], states[1]) + kinetic_from_residual(equations, times[1], states[1])
+        noise = kinetic_from_residual(equations, times[1], states[1]._replace(w=jnp.full_like(states[1].w, self.atol)))
         noise = noise / jnp.where(times[1] == times[0], 1.0, times[1] - times[0]) ** 2
         return balance.after(gained_between(equations, times, states), energy, self.rtol, noise)

@@ -126,21 +126,19 @@ def _find_limit(
     form = SPARSE_PATH if in_coordinates else DENSE_PATH
     ramp, point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
     most = jnp.where(result == RESULTS.successful, max_steps, 0)
-    continuation = _step_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
-    plane = normal_to(scale, continuation.tangent)
+    before = _step_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
+    plane = normal_to(scale, before.tangent)
 
     def unfinished(bracket: tuple[Any, ...]):
         *_, rate, _, moved, turn, _ = bracket
-        settled = (jnp.abs(rate) <= STATIONARY_LOAD) | (moved <= SETTLED_LIMIT * continuation.step)
-        return continuation.passed & (turn < TURNS) & ~settled
+        settled = (jnp.abs(rate) <= STATIONARY_LOAD) | (moved <= SETTLED_LIMIT * before.step)
+        return before.passed & (turn < TURNS) & ~settled
 
     def narrower(bracket: tuple[Any, ...]):
         low, low_rate, high, high_rate, last, place, _, turn, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
-        new = step_along(
-            form, topology, parameters, ramp, scale, continuation.point, continuation.tangent, middle, plane
-        )
+        new = step_along(form, topology, parameters, ramp, scale, before.point, before.tangent, middle, plane)
         rate = new.tangent.load
         rising = rate > 0
         # Illinois method: halve the value of an end that stays twice, so that both ends approach.
@@ -157,27 +155,13 @@ def _find_limit(
             new.point,
         )
 
-    end = step_along(
-        form, topology, parameters, ramp, scale, continuation.point, continuation.tangent, continuation.step, plane
-    )
+    end = step_along(form, topology, parameters, ramp, scale, before.point, before.tangent, before.step, plane)
     rate, zero, none = end.tangent.load, jnp.array(0.0), jnp.zeros((), jnp.int32)
-    bracket = (
-        zero,
-        continuation.tangent.load,
-        continuation.step,
-        rate,
-        rate,
-        continuation.step,
-        jnp.array(jnp.inf),
-        none,
-        end.point,
-    )
+    bracket = (zero, before.tangent.load, before.step, rate, rate, before.step, jnp.array(jnp.inf), none, end.point)
     *_, rate, _, _, _, limit_point = jax.lax.while_loop(unfinished, narrower, bracket)
     # Without a state between, the path jumps.
     passed = jnp.where(jnp.abs(rate) < TURNED_LOAD, RESULTS.successful, RESULTS.not_converged)
-    why = jnp.where(
-        continuation.failed, RESULTS.not_converged, jnp.where(continuation.passed, passed, RESULTS.max_steps)
-    )
+    why = jnp.where(before.failed, RESULTS.not_converged, jnp.where(before.passed, passed, RESULTS.max_steps))
     why = jnp.where(jnp.abs(limit_point.load) < NO_LOAD, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
     return _Limit(limit_point.load, limit_point, plane, result.astype(jnp.int32))

@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import AnalysisError
 from ..linear.sparse_spectrum import explained_failures
 from ..math.linear import uneven
-from ..math.sparse import SparseFactors, negative_if_constrained
+from ..math.sparse import SparseFactors, negative_under_constraints
 from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, REGULAR_TANGENT, SETTLED_MOTION
 from ..results import RESULTS
 
@@ -66,7 +66,7 @@ def critical_values_of(
     if not factored.regular:
         shift = REGULAR_TANGENT * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
-    negative = negative_if_constrained(tangent, factored, len(sizes))
+    negative = negative_under_constraints(tangent, factored, len(sizes))
 
     def settled(motions: np.ndarray):
         return _settled(stiffness, _flexibility(factored, n_constraints, sizes), sizes, motions)
@@ -168,7 +168,7 @@ def _beyond(tangent: Any, sizes: np.ndarray, values: np.ndarray) -> int:
     i = int(np.argmax(np.diff(values)))
     middle = (values[i] + values[i + 1]) / 2
     turned = shifted(tangent, -middle, sizes)
-    count = negative_if_constrained(tangent, turned, len(sizes))
+    count = negative_under_constraints(tangent, turned, len(sizes))
     if count is None:
         raise AnalysisError(RESULTS.lost_in_round_off.name, RESULTS.lost_in_round_off.message)
     return count - int(np.sum(values < middle))

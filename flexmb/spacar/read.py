@@ -162,9 +162,9 @@ class _Faults(list[tuple[int, str]]):
             raise _Enough
 
 
-def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults: _Faults) -> None:
-    """Act on all lines, in the order in which they depend on each other, and append them to ``found``."""
-    placed = list(_Blocks(r, faults).rows(lines, found))
+def _read(r: Reading, lines: Iterator[Statement], read_statements: list[Statement], faults: _Faults) -> None:
+    """Act on all lines, in the order in which they depend on each other, and append them to ``read_statements``."""
+    placed = list(_Blocks(r, faults).rows(lines, read_statements))
     for stage in (DECLARE, DESCRIBE):
         _run(r, placed, stage, faults)
     outlines.take(r, lambda s, text: faults.blame(s, text, "element"))
@@ -182,7 +182,7 @@ def _read(r: Reading, lines: Iterator[Statement], found: list[Statement], faults
     _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
-        problem = "has no element" if found else "is empty"
+        problem = "has no element" if read_statements else "is empty"
         faults.append((1, f"file {problem}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
 
 
@@ -193,10 +193,10 @@ class _Blocks:
         self.reading, self.faults = r, faults
         self.block, self.ends, self.drawing = 0, 0, False
 
-    def rows(self, lines: Iterator[Statement], found: list[Statement]) -> Iterator[tuple[Row, Statement]]:
+    def rows(self, lines: Iterator[Statement], read_statements: list[Statement]) -> Iterator[tuple[Row, Statement]]:
         """Rows of the keyword table for lines that have one; other lines are handled here."""
         for s in lines:
-            found.append(s)
+            read_statements.append(s)
             try:
                 row = self._row(s)
             except Fault as fault:
@@ -208,8 +208,8 @@ class _Blocks:
             else:
                 if row is not None:
                     yield row, s
-        if found and self.ends < 2:
-            last = Statement(found[-1].line, "END", "END")
+        if read_statements and self.ends < 2:
+            last = Statement(read_statements[-1].line, "END", "END")
             self.reading.warnings.append(
                 (last, f"{2 - self.ends} END missing at the end; flexmb reads the file as if it were there")
             )

@@ -307,7 +307,7 @@ class _Writer:
     def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
         """Consecutive degrees of freedom of one node or element."""
         runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
-        return [(owner, [number for *_, number in run]) for owner, run in runs]
+        return [(kind_and_owner, [number for *_, number in run]) for kind_and_owner, run in runs]
 
     def _across(self, m: Member) -> np.ndarray:
         """Default local y of a beam that needs one in the format."""
@@ -393,12 +393,12 @@ class _Writer:
 
     def _loads(self, loads: dict[str, dict], prefix: str) -> list[WrittenLine]:
         lines = []
-        for owner, values in _rows(loads.get("force", {})).items():
-            size = 4 if self.builder.nodes[owner[1]].kind is ROTATION3 else 0
-            lines.append(line_of(f"{prefix}XF", self.node[owner[1]], *_filled(values, size)))
+        for (_, owner), values in _rows(loads.get("force", {})).items():
+            size = 4 if self.builder.nodes[owner].kind is ROTATION3 else 0
+            lines.append(line_of(f"{prefix}XF", self.node[owner], *_filled(values, size)))
         for load, keyword in (("prestress", f"{prefix}ESIG"), ("strain", "EINIT")):
-            for owner, values in _rows(loads.get(load, {})).items():
-                lines.append(line_of(keyword, self.element[owner[1]], *_filled(values)))
+            for (_, owner), values in _rows(loads.get(load, {})).items():
+                lines.append(line_of(keyword, self.element[owner], *_filled(values)))
         for (kind, owner, number), value in loads.get("prescribed", {}).items():
             start, (letter, at) = start_of(self.builder, kind, owner, number), self._place(kind, owner)
             if prefix:

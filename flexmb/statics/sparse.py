@@ -377,8 +377,8 @@ def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFa
         return
     known: Any = jax.lax.stop_gradient((parameters, target, at))
     elements = _tangent(topology, *known[:2], known[2].near, known[2])
-    is_unstable = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
-    unstable = call_host(functools.partial(on_host_thread, is_unstable), (jax.ShapeDtypeStruct((), bool),), elements)[0]
+    host_check = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
+    unstable = call_host(functools.partial(on_host_thread, host_check), (jax.ShapeDtypeStruct((), bool),), elements)[0]
     collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))
 
 

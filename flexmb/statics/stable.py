@@ -15,7 +15,7 @@ from ..errors import warn
 from ..math.by_deformations import energies
 from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import diagonal_of, uneven
-from ..math.sparse import negative_if_constrained
+from ..math.sparse import negative_under_constraints
 from ..model.model import Model
 from ..numerical_limits import DEPENDENT_VECTOR, NEGATIVE_SHARE, STIFFNESS_ROUND_OFF, SYMMETRIC_STIFFNESS
 from ..results import RESULTS, collect, collects
@@ -94,7 +94,7 @@ def pivots_tell_unstable(elements: ElementMatrices, symmetric: bool) -> bool:
     if not factored.regular:
         return False
     if symmetric:
-        return negative_if_constrained(tangent, factored, assembled.n) != 0
+        return negative_under_constraints(tangent, factored, assembled.n) != 0
     return factored.sign * (-1) ** (tangent.shape[0] - assembled.n) < 0
 
 

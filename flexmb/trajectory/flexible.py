@@ -259,12 +259,12 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
     def derivatives(t: Float[Array, ""]):
         """Outputs and their derivatives below the relative degree, then the derivatives of this degree."""
         values_by_law = []
-        for law, own in zip(laws, inverse.degrees, strict=True):
+        for law, degree in zip(laws, inverse.degrees, strict=True):
             functions = [law]
-            for _ in range(own):
+            for _ in range(degree):
                 functions.append(_derivative(functions[-1]))
             values_by_law.append([f(t) for f in functions])
-        return jnp.stack([v for own in values_by_law for v in own[:-1]] + [own[-1] for own in values_by_law])
+        return jnp.stack([v for row in values_by_law for v in row[:-1]] + [row[-1] for row in values_by_law])
 
     every = jax.jit(jax.vmap(derivatives))
     at = np.asarray(every(jnp.asarray(grid)))

@@ -342,14 +342,14 @@ def _driven_freedoms(model: Model, targets: dict[str, FollowedQuantity], driven:
         raise ModelError("Two laws of `trajectory` belong to the same degree of freedom: leave one out.")
     if driven is not None:
         as_written = {name.replace(".rotation.", "."): name for name in names}
-        written = [as_written.get(name, name) for name in driven]
-        unknown = [name for name in written if name not in names]
+        driven_labels = [as_written.get(name, name) for name in driven]
+        unknown = [name for name in driven_labels if name not in names]
         if isinstance(driven, str) or unknown:
             rejected = driven if isinstance(driven, str) else unknown[0]
             raise ModelError(
                 f"Argument `driven` must be a list of degrees of freedom, {among(names, rejected)}; not {rejected!r}."
             )
-        chosen = [names.index(name) for name in written]
+        chosen = [names.index(name) for name in driven_labels]
         chosen = target_freedoms + [i for i in chosen if i not in target_freedoms]
         if len(chosen) != len(targets):
             raise ModelError(

@@ -87,20 +87,10 @@ class Perturbation(Result, Record):
         q, qd = freedoms_of(nominal)
         moved = (nominal.t, nominal.x, nominal.near, self.q, q + self.q, qd + self.qd)
         x, xd, last_strain = _placed(model.topology, model.parameters, nominal.driven, *moved)
-        step_count = (nominal.t.shape[0] - 1) * self.substeps
+        steps = (nominal.t.shape[0] - 1) * self.substeps
         driven = (*nominal.driven, *cancelling_loads(model, self.t, self.held))
         return Motion(
-            self.t,
-            x,
-            xd,
-            last_strain,
-            self.u,
-            step_count,
-            nominal.result,
-            driven,
-            model,
-            "perturbation method",
-            "Radau IIA",
+            self.t, x, xd, last_strain, self.u, steps, nominal.result, driven, model, "perturbation method", "Radau IIA"
         )
 
     def states(self) -> States:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import scipy.sparse
 
-from flexmb.math.sparse import SparseFactors, equilibrating, negative_if_constrained
+from flexmb.math.sparse import SparseFactors, equilibrating, negative_under_constraints
 
 
 @pytest.mark.parametrize("negative", [0, 1, 3])
@@ -26,7 +26,7 @@ def test_signs_where_constraints_hold(negative):
     units = 10.0 ** draw.uniform(-6, 6, n)
     whole = np.block([[stiffness * np.outer(units, units), (rows * units).T], [rows * units, np.zeros((held, held))]])
     tangent = scipy.sparse.csc_array(whole)
-    assert negative_if_constrained(tangent, SparseFactors(tangent), n) == wanted
+    assert negative_under_constraints(tangent, SparseFactors(tangent), n) == wanted
     scale = equilibrating(tangent)
     largest = np.max(np.abs(scale[:, None] * whole * scale), axis=1)
     # Ruiz: the largest entries differ from one by a factor that halves in each round, in its logarithm.
