@@ -57,7 +57,7 @@ def reactions(lin: Linearization) -> dict[str, list[float]]:
 
 def equilibrium_answers(lin: Linearization) -> dict[str, Any]:
     """Answers about a static equilibrium."""
-    return {**configuration_answers(lin), **matrices_answers(lin), "stable": _rests(lin)}
+    return {**configuration_answers(lin), **matrix_answers(lin), "stable": _rests(lin)}
 
 
 def _rests(lin: Linearization) -> bool:
@@ -107,12 +107,12 @@ def _stress(lin: Linearization) -> dict[str, Any]:
     return {"stress": largest}
 
 
-def matrices_answers(lin: Linearization) -> dict[str, Any]:
+def matrix_answers(lin: Linearization) -> dict[str, Any]:
     """The matrices of the linearised equations."""
     return {name.lower(): np.asarray(getattr(lin.matrices, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
 
 
-def poles_answers(lin: Linearization, always: bool) -> dict[str, Any]:
+def pole_answers(lin: Linearization, always: bool) -> dict[str, Any]:
     """Poles, real and imaginary parts."""
     damped = np.any(np.asarray(lin.matrices.C0) + np.asarray(lin.matrices.D0))
     if not (always or damped or not lin.matrices.symmetric):

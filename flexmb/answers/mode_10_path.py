@@ -7,7 +7,7 @@ import numpy as np
 from ..linear.spectrum import to_frequency
 from ..paths.path import Path, path
 from ..results import RESULTS
-from .answer_parts import by_owner, compliance_answers, configuration_answers, hertz_of, matrices_answers
+from .answer_parts import by_owner, compliance_answers, configuration_answers, hertz_of, matrix_answers
 from .mode import Mode, ModeRequest, ModeResult
 
 
@@ -25,7 +25,7 @@ def _step(path_result: Path, i: int) -> dict[str, Any]:
         "eigenvalues": values[finite],
         "frequencies_hz": hertz_of(values[finite], to_frequency(values[finite])),
         "load_multipliers": multipliers[np.isfinite(multipliers)],
-        **matrices_answers(lin),
+        **matrix_answers(lin),
         "compliance": compliance_answers(lin),
     }
 

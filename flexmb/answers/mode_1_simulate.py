@@ -128,22 +128,18 @@ def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
     state_spaces = _state_spaces(matrices, found.model) if all(named.values()) else {}
     for i, t in enumerate(np.asarray(found.t).tolist()):
         m = jax.tree.map(lambda a, i=i: a[i], matrices)
-        named_matrices: dict[str, Any] = {
-            name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")
-        }
+        by_name: dict[str, Any] = {name: np.asarray(getattr(m, name)) for name in ("M0", "C0", "D0", "K0", "N0", "G0")}
         if int(m.result) != RESULTS.successful:
             lost.append(t)
-            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in named_matrices}})
+            steps.append({"time": t, "frequencies_hz": [], **{name.lower(): None for name in by_name}})
             continue
-        values, _ = general_spectrum(
-            named_matrices["K0"] + named_matrices["N0"] + named_matrices["G0"], named_matrices["M0"]
-        )
+        values, _ = general_spectrum(by_name["K0"] + by_name["N0"] + by_name["G0"], by_name["M0"])
         # Massless motions have infinite frequencies.
         values = values[np.isfinite(values)]
         real = is_real(values) & (values.real >= 0)
         hertz = [f if known else None for f, known in zip(to_frequency(values.real).tolist(), real, strict=True)]
-        named_matrices |= state_spaces.get(i, {})
-        lower = {name.lower() if len(name) > 1 else name: value for name, value in named_matrices.items()}
+        by_name |= state_spaces.get(i, {})
+        lower = {name.lower() if len(name) > 1 else name: value for name, value in by_name.items()}
         steps.append({"time": t, "frequencies_hz": hertz, **lower})
     warnings = [
         f"At {len(lost)} of {len(steps)} times, first at {t:.6g} s, the degrees of freedom do not determine the"

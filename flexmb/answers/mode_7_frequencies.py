@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..linear.modes import modes
-from .answer_parts import equilibrium_answers, hertz_of, numbered_lines, poles_answers, shapes
+from .answer_parts import equilibrium_answers, hertz_of, numbered_lines, pole_answers, shapes
 from .mode import Mode, ModeRequest, ModeResult
 
 
@@ -16,7 +16,7 @@ def _run(asked: ModeRequest) -> ModeResult:
         asked.warnings.append(silent)
         # The answer keeps its keys. Numbers that are not finite are null.
         none = dict.fromkeys(("eigenvalues", "frequencies_hz", "massless", "modes"))
-        return ModeResult({**equilibrium_answers(lin), **none, **poles_answers(lin, always=True)})
+        return ModeResult({**equilibrium_answers(lin), **none, **pole_answers(lin, always=True)})
     mode_set = modes(lin)
     values, hertz = np.asarray(mode_set.eigenvalues), np.asarray(mode_set.frequencies)
     data = {
@@ -26,7 +26,7 @@ def _run(asked: ModeRequest) -> ModeResult:
         "frequencies_hz": hertz_of(values, hertz),
         "massless": mode_set.massless,
         "modes": shapes(mode_set.shapes, lin.labels),
-        **poles_answers(lin, always=False),
+        **pole_answers(lin, always=False),
     }
     return ModeResult(data, mode_set)
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..control.state_space import state_matrices
-from .answer_parts import equilibrium_answers, matrix, poles_answers
+from .answer_parts import equilibrium_answers, matrix, pole_answers
 from .mode import Mode, ModeRequest, ModeResult
 
 
@@ -18,7 +18,7 @@ def _run(asked: ModeRequest) -> ModeResult:
         "inputs": [s.name for s in lin.labels.inputs],
         "outputs": [s.name for s in lin.labels.outputs],
         "states": states,
-        **poles_answers(lin, always=True),
+        **pole_answers(lin, always=True),
     }
     # A Bode plot needs an input that moves some output.
     moved = np.any(data["B"]) and np.any(data["C"])

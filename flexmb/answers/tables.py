@@ -54,10 +54,8 @@ def _series(model: Model) -> list[str]:
 
 
 def _counts(kind: str, roles: Sequence[Role]) -> str:
-    counts = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
-    return (
-        f"N{kind}O {counts['O']}  N{kind}MM {counts['M']}  N{kind}M {counts['M'] + counts['R']}  N{kind}C {counts['C']}"
-    )
+    n = {letter: sum(CLASS[role] == letter for role in roles) for letter in "OMRC"}
+    return f"N{kind}O {n['O']}  N{kind}MM {n['M']}  N{kind}M {n['M'] + n['R']}  N{kind}C {n['C']}"
 
 
 def log(found: Answer, source: str) -> str:

@@ -97,8 +97,8 @@ class Site:
         size = (vector @ vector) ** 0.5
         with nan_if_refused() as marked:
             if not holds(size >= SHORTEST_DIRECTION):
-                requirement = "has no length" if argument == "along" else "must not be parallel to `along`"
-                raise ModelError(f"Argument `{argument}` of block '{self.name}' {requirement}.")
+                problem = "has no length" if argument == "along" else "must not be parallel to `along`"
+                raise ModelError(f"Argument `{argument}` of block '{self.name}' {problem}.")
             return marked(vector / size)
 
     def place(self, *coordinates: Scalar) -> Any:

@@ -40,7 +40,7 @@ from .curved_leaves import warn_of_curved_leaves
 from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete_model, with_started
 from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
-from .given import at_least_one, name_text, number_list, released_in
+from .given import name_text, nonempty_arguments, number_list, released_in
 from .idle import warn_of_idle
 from .mistaken_units import warn_of_lengths
 from .plain_beams import warn_of_plain_beams
@@ -904,7 +904,7 @@ class Builder(Description):
 
     def _values(self, kind: str, name: str, values: tuple, named: dict[str, Any]) -> dict[Key, Any]:
         """Numbers of an element's deformations by key, from values from the first on and by name."""
-        at_least_one(kind.lower(), name, (*values, *named))
+        nonempty_arguments(kind.lower(), name, (*values, *named))
         element, by_key = self._member(name).element, {}
         strains = deformations_of(element, *element.closure) or f"those from {len(element.closure) + 1} on"
         for deformation, value in (*enumerate(values, 1), *named.items()):

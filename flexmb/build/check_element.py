@@ -207,8 +207,8 @@ class _Tried:
 
     def _rigid(self) -> tuple[float, str]:
         e, e_moved = (self._answer(values, "deformations") for values in (self.here, self.rigid))
-        values = np.abs(e_moved - e) / (np.max(np.abs(e), axis=0) + TINY)
-        value, worst = float(values.max()), int(np.argmax(values.max(axis=0)))
+        errors = np.abs(e_moved - e) / (np.max(np.abs(e), axis=0) + TINY)
+        value, worst = float(errors.max()), int(np.argmax(errors.max(axis=0)))
         number = float(np.max(np.abs(e_moved - e)[:, worst]))
         fault = (
             f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole element, but must not"
@@ -231,19 +231,19 @@ class _Tried:
         for name in self.shapes.keys() & {*KINKED}:
             errors[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
         reverse = np.sum(self.here["reverse"] * self.along, axis=1)
-        mode_errors = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
+        reverse_errors = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
         fault = self._named(errors, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
-        if not fault and np.max(mode_errors) > ELEMENT_LAW:
+        if not fault and np.max(reverse_errors) > ELEMENT_LAW:
             fault = "its derivatives in reverse mode are not those in forward mode"
-        return float(max(errors.max(initial=0.0), mode_errors.max(initial=0.0))), fault
+        return float(max(errors.max(initial=0.0), reverse_errors.max(initial=0.0))), fault
 
     def _second(self) -> tuple[float, str]:
         second = self.here["second"]
         central = (self.plus["reverse"] - self.minus["reverse"]) / (2 * STEP)
         scale = max(np.max(np.abs(values * self.sizes)) for values in (second, self.here["reverse"])) or 1.0
-        values = np.abs(central - second) * self.sizes / scale
-        value = float(values.max())
-        where = self._where(int(np.argmax(values.max(axis=1))))
+        errors = np.abs(central - second) * self.sizes / scale
+        value = float(errors.max())
+        where = self._where(int(np.argmax(errors.max(axis=1))))
         fault = (
             f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
         )

@@ -97,8 +97,8 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
                 traced = None if clamped.traced is None or untwisted else clamped.traced[1]
                 own = restrained[-1] if traced is None else traced
                 nodes.setdefault(warping, []).append((own, was, traced is not None))
-        own = {**member.properties, "clamped": np.array(flat, float)}
-        twin.members[name] = dataclasses.replace(member, properties=own)
+        properties = {**member.properties, "clamped": np.array(flat, float)}
+        twin.members[name] = dataclasses.replace(member, properties=properties)
         for warping, is_restrained in zip(nodes_of_kind(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, joined[warping], is_restrained, stated is not None and not untwisted)
     for warping, ends in nodes.items():

@@ -19,7 +19,7 @@ from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.roles import Role
 from ..numerical_limits import UNIT_NORM_OF_ROTATION
 from .calls import MadeCall, records_call
-from .given import at_least_one, check_closure, number_in, number_in_element, numbers_freed
+from .given import check_closure, nonempty_arguments, number_in, number_in_element, numbers_freed
 
 AXES = ("x", "y", "z")
 
@@ -99,7 +99,7 @@ class Description:
             ModelError: No such deformation or coordinate; one that is PRESCRIBED or a degree of freedom; one of the
                 closure of a spectral beam by its number.
         """
-        entries, name = at_least_one("release", element, deformations), str(element)
+        entries, name = nonempty_arguments("release", element, deformations), str(element)
         self._check_kind(kind)
         if kind == "node" or (kind is None and name in self.nodes and name not in self.members):
             for key in [self._entry(name, component, "node") for component in entries]:
@@ -142,7 +142,7 @@ class Description:
             kind: "node" or "element", if both have the name.
         """
         keys: list[Key] = []
-        for component in at_least_one("dof", of, components):
+        for component in nonempty_arguments("dof", of, components):
             key = self._entry_to_free(of, component, kind)
             if key in keys or self._role(key) is Role.DOF:
                 raise ModelError(f"'{of}.{component}' is named as a degree of freedom twice.")

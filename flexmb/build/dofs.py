@@ -243,10 +243,10 @@ def choose(model: Model, motions: Any, named: Any, found: Constraints | None = N
     return [int(free[i]) for i in sorted(second)], sorted(first)
 
 
-def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
+def _check_named(model: Model, motions: Any, constraint_set: Constraints) -> None:
     topology = model.topology
     ndof, named = motions.shape[1], topology.n_q
-    sizes = row_sizes(named_rows(model, motions, constrained))
+    sizes = row_sizes(named_rows(model, motions, constraint_set))
     names = model.q_labels
     stuck = [name for name, size in zip(names, sizes, strict=True) if size < CANNOT_MOVE]
     if stuck:
@@ -268,9 +268,9 @@ def _check_named(model: Model, motions: Any, constrained: Constraints) -> None:
         )
     independent, dependent = np.asarray(model.topology.e.given), np.asarray(model.topology.x.dependent)
     if not missing and not isinstance(motions, np.ndarray) and len(independent) == len(dependent):
-        if determines(constrained.jacobian[independent][:, dependent]):
+        if determines(constraint_set.jacobian[independent][:, dependent]):
             return
-    result = mobility_of(model, constrained)
+    result = mobility_of(model, constraint_set)
     if missing > 0:
         raise MechanismError(
             "underconstrained",

@@ -112,9 +112,9 @@ def _unless_fold(builder: Description, sizes: tuple[Any, Any], *ends: End) -> tu
     if is_concrete([leaf_axes(builder, member, np, end.number) for member, end in zip(members, ends, strict=True)]):
         return sizes
     axes = [leaf_axes(builder, member, jnp, end.number) for member, end in zip(members, ends, strict=True)]
-    in_line = jnp.all(jnp.stack([jnp.abs(one @ two) >= np.cos(FOLD) for one, two in zip(*axes, strict=True)]))
+    in_line = jnp.all(jnp.stack([jnp.abs(first @ second) >= np.cos(FOLD) for first, second in zip(*axes, strict=True)]))
     end_sizes = _sizes(builder, members[0], ends[0].number)
-    beyond, before = (jnp.where(in_line, size, one) for size, one in zip(sizes, end_sizes, strict=True))
+    beyond, before = (jnp.where(in_line, size, at_end) for size, at_end in zip(sizes, end_sizes, strict=True))
     return beyond, before
 
 

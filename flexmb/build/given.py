@@ -37,7 +37,7 @@ def number_in(component: Any) -> int | None:
     return as_whole(component)
 
 
-def at_least_one(what: str, of: Any, given: tuple) -> tuple:
+def nonempty_arguments(what: str, of: Any, given: tuple) -> tuple:
     """Arguments of which there must be at least one."""
     if not given:
         raise ModelError(f"{what.capitalize()} of '{of}' is empty. Name components or deformations.")

@@ -184,22 +184,22 @@ def _of_ends(subject: str, value: Any) -> np.ndarray:
     return np.array(flags, float)
 
 
-def _of_roots(name: str, value: Any, count: int) -> tuple[Any, Any] | None:
+def _of_roots(subject: str, value: Any, count: int) -> tuple[Any, Any] | None:
     """Stiffnesses of the roots at both ends, None for a rigid one: the same for both, or each its own."""
     ends = list(value) if isinstance(value, list | tuple) else []
     if len(ends) != 2 or any(end is not None and np.ndim(end) != 1 for end in ends):
-        check_numbers(name, value, fault=ModelError)
+        check_numbers(subject, value, fault=ModelError)
         flat = (stack(ends) if ends else stack([value])[0]).reshape(-1)
         # An array of twice as many may be six stiffnesses in space, of which a leaf spring in the plane takes three.
         if flat.size != count and (flat.size != 2 * count or (not ends and np.ndim(value) == 1)):
             raise ModelError(
-                f"{name} must be the {count} stiffnesses of a root, or those of the first end and of the last, None for"
-                f" a rigid end, not {short_repr(value)}."
+                f"{subject} must be the {count} stiffnesses of a root, or those of the first end and of the last, None"
+                f" for a rigid end, not {short_repr(value)}."
             )
         ends = [flat[:count], flat[-count:]]
     for end in ends:
         if end is not None:
-            check_numbers(name, end, (count,), fault=ModelError)
+            check_numbers(subject, end, (count,), fault=ModelError)
     first, last = (None if end is None else stack([end])[0] for end in ends)
     return None if first is None and last is None else (first, last)
 

@@ -43,7 +43,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     # The equations hold in any basis: it is not differentiated.
     mu, basis = jax.lax.stop_gradient(pencil(system.M, symmetric + shift * system.M))
     massive = mu > MASSLESS_SHARE * len(mu) * jnp.max(mu, initial=0.0)
-    present, absent = massive.astype(float), (~massive).astype(float)
+    with_mass, massless = massive.astype(float), (~massive).astype(float)
     scale = jnp.where(massive, 1 / jnp.sqrt(jnp.where(massive, mu, 1.0)), 0.0)
     mass, damping, stiffness = (basis.T @ matrix @ basis for matrix in system[:3])
     b = jnp.stack([basis.T @ matrix for matrix in system[3:6]])
@@ -64,16 +64,16 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     else:
         adrift, noted = jnp.zeros(d.shape[1:], bool), jnp.sum(jnp.abs(d), axis=0)
     # Motions without mass follow the other motions and the forces immediately.
-    rigid = factorise(absent[:, None] * stiffness * absent + jnp.diag(present))
+    rigid = factorise(massless[:, None] * stiffness * massless + jnp.diag(with_mass))
 
     def follows(right: Float[Array, "n k"], solve: Callable[..., Any]):
-        return absent[:, None] * solve(absent[:, None] * right)
+        return massless[:, None] * solve(massless[:, None] * right)
 
-    onto = jnp.diag(present) - follows(stiffness * present, rigid.solve)
-    from_left = jnp.diag(present) - follows(stiffness.T * present, rigid.solve_transposed)
+    onto = jnp.diag(with_mass) - follows(stiffness * with_mass, rigid.solve)
+    from_left = jnp.diag(with_mass) - follows(stiffness.T * with_mass, rigid.solve_transposed)
     direct = follows(b[0], rigid.solve)
     k, rate = from_left.T @ stiffness @ onto, from_left.T @ damping @ onto
-    inertia = factorise(scale[:, None] * mass * scale + jnp.diag(absent))
+    inertia = factorise(scale[:, None] * mass * scale + jnp.diag(massless))
 
     def accelerated(force: Float[Array, "n k"]):
         return scale[:, None] * inertia.solve(scale[:, None] * force)
@@ -83,7 +83,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     force, push = b[0] - k @ moved, b[1] - rate @ moved
     jump = accelerated(push)
     lower = jnp.concatenate([-inertia.solve(scale[:, None] * k), -inertia.solve(scale[:, None] * rate * scale)], axis=1)
-    still = jnp.diag(absent / jnp.sqrt(jnp.max(mu)))
+    still = jnp.diag(massless / jnp.sqrt(jnp.max(mu)))
     upper = jnp.concatenate([-still, jnp.diag(scale)], axis=1)
     n = len(mu)
     lower = lower - jnp.concatenate([jnp.zeros((n, n)), still], axis=1)
@@ -229,14 +229,11 @@ def _controller_parts(controller: Any) -> tuple[Any, Any, Any, Any]:
                 None,
                 lambda hertz: np.moveaxis(np.asarray(controller(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
             )
-        state_space: Any = control.ss(controller)
+        system: Any = control.ss(controller)
         return (
             shape,
             labels,
-            tuple(
-                as_reals("The controller", part)
-                for part in (state_space.A, state_space.B, state_space.C, state_space.D)
-            ),
+            tuple(as_reals("The controller", part) for part in (system.A, system.B, system.C, system.D)),
             None,
         )
     if callable(controller):

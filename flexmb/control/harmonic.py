@@ -181,10 +181,8 @@ def _refined(
 
 
 def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
-    diagonal = jnp.abs(diagonal_of(matrix))
-    allowed = COUPLED_MODES * jnp.sqrt(diagonal[:, None] * diagonal) + COUPLED_BY_ROUND_OFF * jnp.max(
-        diagonal, initial=0.0
-    )
+    sizes = jnp.abs(diagonal_of(matrix))
+    allowed = COUPLED_MODES * jnp.sqrt(sizes[:, None] * sizes) + COUPLED_BY_ROUND_OFF * jnp.max(sizes, initial=0.0)
     return jnp.any((jnp.abs(matrix) > allowed) & ~np.eye(len(matrix), dtype=bool))
 
 

@@ -253,8 +253,7 @@ def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controll
         else:
             raise KeyError(
                 f"There is no source '{printable(name)}': it is an input, {', '.join(inputs)}, or 'sensor' and an"
-                " output,"
-                f" {', '.join(outputs)}."
+                f" output, {', '.join(outputs)}."
             )
     names = [inputs[i] for i in at_inputs] + [f"sensor {outputs[i]}" for i in of_sensors]
     if len(names) < len(sources):
@@ -451,9 +450,7 @@ def _budget(
 ):
     """Spectra, cumulative sums and variances: within the grid, or exact."""
     (grid, steps, settles, noise_system), rows = over, np.array(wanted)
-    density = jnp.stack([jnp.broadcast_to(source_density, grid.shape) for source_density in densities], axis=1)[
-        :, None, :
-    ]
+    density = jnp.stack([jnp.broadcast_to(part, grid.shape) for part in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, rows]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2
     spectra = jnp.where(density <= 0, 0.0, size * density)

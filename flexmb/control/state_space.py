@@ -196,7 +196,7 @@ def _rates_in_outputs(
     most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
     first, second = c1 @ at_once + c2 @ rates + d1, c2 @ at_once + d2
     largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1), jnp.abs(c2) @ most + jnp.abs(d2)
-    significant = [jnp.abs(total) > RATE_ROUND_OFF * size for total, size in zip((first, second), largest, strict=True)]
+    significant = [jnp.abs(total) > RATE_ROUND_OFF * part for total, part in zip((first, second), largest, strict=True)]
     return jnp.where(significant[1], 2, jnp.where(significant[0], 1, 0))
 
 

@@ -81,8 +81,7 @@ def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]
         if not len(below):
             raise ValueError(
                 f"Argument `bandwidth` = {short_repr(bandwidth)} Hz is below the first mode, {hertz[0]:.5g} Hz. No"
-                " state"
-                " would be left. Up to there the response is static: fm.frequency_response(model, 0.0)."
+                " state would be left. Up to there the response is static: fm.frequency_response(model, 0.0)."
             )
         if len(below) < len(hertz) or count >= most:
             return tuple(below.tolist()), answer

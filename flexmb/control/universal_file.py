@@ -44,8 +44,7 @@ def write_responses(response: Responses, path: str | os.PathLike) -> None:
     if target.suffix not in ENDINGS:
         raise ValueError(
             f"A file of responses ends in {', '.join(ENDINGS)} or .csv, not '{printable(target.name)}'. For other"
-            " programs"
-            " use to_pandas() or to_xarray()."
+            " programs use to_pandas() or to_xarray()."
         )
     if len(hertz) < 2:
         raise ValueError("A universal file needs two frequencies or more.")

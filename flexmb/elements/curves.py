@@ -119,37 +119,32 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
-    coordinates: Any = np.zeros(0)
+    knots: Any = np.zeros(0)
     try:
-        coordinates = np.asarray(points, float)
+        knots = np.asarray(points, float)
     except (TypeError, ValueError):
         pass
-    if (
-        coordinates.ndim != 2
-        or len(coordinates) < 3
-        or coordinates.shape[1] not in (2, 3)
-        or not np.all(np.isfinite(coordinates))
-    ):
+    if knots.ndim != 2 or len(knots) < 3 or knots.shape[1] not in (2, 3) or not np.all(np.isfinite(knots)):
         raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {short_repr(points)}.")
     across = None
     if y is not None:
-        if coordinates.shape[1] == 2:
+        if knots.shape[1] == 2:
             raise ModelError("A curve in the plane takes no `y`.")
         check_numbers("`y` of a curve", y, (3,), ModelError)
         across = np.asarray(y, float)
-    away = np.linalg.norm(np.diff(coordinates, axis=0), axis=1)
+    away = np.linalg.norm(np.diff(knots, axis=0), axis=1)
     if np.min(away) <= 0:
         raise ModelError("Two successive points of a curve coincide.")
     if across is not None:
-        sine = np.linalg.norm(np.cross(coordinates[1] - coordinates[0], across))
+        sine = np.linalg.norm(np.cross(knots[1] - knots[0], across))
         if not sine > PARALLEL * away[0] * np.linalg.norm(across):
             raise ModelError("`y` of a curve is zero or parallel to its first direction: give a vector across it.")
-    reached, values = _sampled(coordinates, np.concatenate([[0], np.cumsum(away)]), across)
+    reached, values = _sampled(knots, np.concatenate([[0], np.cumsum(away)]), across)
     curve = CurvedLine(legendre_coefficients(gauss(COUNT)[0]) @ values)
-    length = float(np.asarray(curve_length(np.linalg.norm(coordinates[-1] - coordinates[0]), curve)))
-    chord = coordinates[-1] - coordinates[0]
+    length = float(np.asarray(curve_length(np.linalg.norm(knots[-1] - knots[0]), curve)))
+    chord = knots[-1] - knots[0]
     middle = np.asarray(to_middle(curve, chord, length, across))
-    at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - coordinates[0]
+    at_middle = np.array([np.interp(0.5, reached[0], x) for x in reached[1:]]) - knots[0]
     if not np.linalg.norm(middle - at_middle) <= SAME_LINE * length:
         raise ModelError("A curve through points bends too sharply for one beam: use several beams.")
     return CurvedLine(curve.coefficients, at_middle, chord)
@@ -176,13 +171,13 @@ def _sampled(points: np.ndarray, at: np.ndarray, y: Any) -> tuple[np.ndarray, np
         across = np.asarray(frame)
         d = across.T @ tangents[0]
         across = across @ np.asarray(rotation_matrix(_least_turn(jnp.asarray(d))))[:, 1]
-        frames, line = [across], spline(s)
+        directions, line = [across], spline(s)
         for i in range(FINE):
             v = line[i + 1] - line[i]
-            back, turned = (vector - 2 / (v @ v) * (v @ vector) * v for vector in (frames[-1], tangents[i]))
+            back, turned = (vector - 2 / (v @ v) * (v @ vector) * v for vector in (directions[-1], tangents[i]))
             w = tangents[i + 1] - turned
-            frames.append(back - (2 / (w @ w) * (w @ back) * w if w @ w > 0 else 0.0))
-        ys = np.array(frames)
+            directions.append(back - (2 / (w @ w) * (w @ back) * w if w @ w > 0 else 0.0))
+        ys = np.array(directions)
         change = (second - tangents * np.sum(second * tangents, axis=1)[:, None]) / speed[:, None] ** 2
         about_z, about_y = np.sum(change * ys, axis=1), -np.sum(change * np.cross(tangents, ys), axis=1)
         bends = np.stack([np.zeros_like(about_y), about_y, about_z], axis=1)

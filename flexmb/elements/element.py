@@ -152,14 +152,14 @@ class Element:
         if len(values) > len(kinds) or unknown:
             wrong = f"`{unknown[0]}` is unknown or given twice" if unknown else f"there are not {len(values)} of them"
             raise TypeError(f"Options of {self.name} are: {', '.join(kinds) or 'none'}; {wrong}.")
-        current = self.options
+        merged = self.options
         for name, value in (positional | options).items():
             kind = kinds[name][0]
             if expected := wanted_option(value, kind):
                 raise TypeError(f"Option `{name}` of {self.name} must be {expected}, not {short_repr(value)}.")
-            current[name] = kind(value) if kind in (bool, int, float) else value
+            merged[name] = kind(value) if kind in (bool, int, float) else value
         # Equal values of different types, such as 1 and True, select different code.
-        typed = {name: (type(value), value) for name, value in sorted(current.items())}
+        typed = {name: (type(value), value) for name, value in sorted(merged.items())}
         usual = {name: (type(value), value) for name, (_, value) in kinds.items()}
         chosen = tuple((name, *typed_value) for name, typed_value in typed.items() if typed_value != usual[name])
         adapted = self if chosen == self.chosen else _with(self.usual, chosen)

@@ -90,13 +90,9 @@ def _texts(module: str) -> dict[str, str]:
     except (KeyError, OSError, TypeError):
         return {}
     texts = {}
-    for first, following in itertools.pairwise(body):
+    for first, after in itertools.pairwise(body):
         target = first.targets[0] if isinstance(first, ast.Assign) else None
-        text = (
-            following.value.value
-            if isinstance(following, ast.Expr) and isinstance(following.value, ast.Constant)
-            else None
-        )
+        text = after.value.value if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant) else None
         if isinstance(target, ast.Name) and isinstance(text, str):
             texts[target.id] = inspect.cleandoc(text)
     return texts

@@ -446,7 +446,7 @@ class Leaf(Sheared):
     ) -> tuple[Float[Array, "n c"], Float[Array, "n c"], Any, Any]:
         """Elongation, curvature, in space also sideways curvature and twist at places, by each coefficient, (n, c)."""
         kept_names = [name for name in KEPT[:BREAKS] if name in names]
-        reaches, shares = (values[: len(kept_names)] for values in self.kept(length))
+        reaches, shares = (numbers[: len(kept_names)] for numbers in self.kept(length))
         values = strains(order, self.plain(), places, length, kept_names)
         values = values * (1 - self._flat(places, reaches, shares)).T[:, :, None] / length
         count = len(names) * order + (2 if "GIt" in names else 0)

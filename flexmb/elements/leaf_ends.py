@@ -349,10 +349,10 @@ def _weights(near: Any, far: Any, mean: Any, turned: Any) -> Float[Array, "s 3"]
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:
     """Return the matrix that the ends add to the stiffness matrix of a leaf spring. Source: THEORY.md 2, eq. (2.47)."""
-    total, own = jnp.zeros(()), compliances(leaf, length)
+    total, parts = jnp.zeros(()), compliances(leaf, length)
     if leaf.ends.skew is not None:
-        own.append((1.0, cuts(leaf, length)))
-    for share, matrix in own:
+        parts.append((1.0, cuts(leaf, length)))
+    for share, matrix in parts:
         resultants = end_resultants(leaf, order, length, names, share)
         total = total + jnp.einsum("eic,eij,ejd->cd", resultants, matrix, resultants)
     return total

@@ -104,8 +104,7 @@ def with_unique_names(plant: Plant) -> Plant:
             if not v.name.strip() or re.search(FORBIDDEN, v.name):
                 raise ValueError(
                     f"The {kind} '{printable(v.name)}' has a name that FMI forbids. Give it one that is not empty,"
-                    " without"
-                    " line feeds, tabs or other control characters."
+                    " without line feeds, tabs or other control characters."
                 )
     inputs, outputs = with_kind("input", plant.inputs), with_kind("output", plant.outputs)
     states = tuple(v._replace(name=f"state {v.name}") for v in plant.states)

@@ -103,11 +103,10 @@ def matrix_table(plant: Plant) -> bytes:
     return np.concatenate(values).astype("<f8").tobytes()
 
 
-def _data(plant: Plant, placed_variables: list[Placed], token: str, fmi: int, settable: bool) -> str:
+def _data(plant: Plant, variables: list[Placed], token: str, fmi: int, settable: bool) -> str:
     n_t = 0 if plant.source else 1 if plant.times is None else len(plant.times)
     kinds = {
-        kind: [entry for entry in placed_variables if entry.kind == kind]
-        for kind in ("input", "state", "parameter", "output")
+        kind: [entry for entry in variables if entry.kind == kind] for kind in ("input", "state", "parameter", "output")
     }
     # FMI 2.0 has no arrays: each entry has a reference.
     arrays = [entry for entry in kinds["parameter"] if np.ndim(entry.variable.start)] if fmi == 3 else []

@@ -55,7 +55,7 @@ def supports(model: Model) -> dict[str, list[str]]:
         point for name, entries in turns.items() if Role.PRESCRIBED in entries for point in paired.get(name, [])[:1]
     }
     chosen = zip(SUPPORTS, (fixed & clamped, fixed - clamped, moved), strict=True)
-    return {kind: [name for name in position_roles if name in entries] for kind, entries in chosen}
+    return {kind: [name for name in position_roles if name in points] for kind, points in chosen}
 
 
 def dofs(model: Model) -> list[Mark]:

@@ -59,7 +59,7 @@ def path(
     else:
         units = [prefixed(quantity) for quantity in drawn]
     a, b = (quantity.values * factor for quantity, (factor, _) in zip(drawn, units, strict=True))
-    ca, cb = (entries * factor for entries, (factor, _) in zip(critical, units, strict=True))
+    ca, cb = (values * factor for values, (factor, _) in zip(critical, units, strict=True))
     if not plain and drawn[0].of == "coordinate" and drawn[1].of in FORCES:
         _draw_slope(ax, a, b)
     at, height, segment_stable = _with_critical((a, b), (ca, cb), np.asarray(found.stable), found)
@@ -68,9 +68,9 @@ def path(
         if len(segments):
             ax.plot(*segments.T, style, color=BLUE if is_stable else RED, label=label)
     for kind, marker in MARKERS.items():
-        entries = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
-        if entries:
-            ax.plot(ca[entries], cb[entries], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
+        indices = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
+        if indices:
+            ax.plot(ca[indices], cb[indices], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
     ax.set_xlabel(units[0][1])
     ax.set_ylabel(units[1][1])
     if plain:

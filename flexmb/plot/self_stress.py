@@ -52,10 +52,8 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     style: dict[str, Any] = {"cmap": "plasma_r", "clim": (0.0, 1.0), "linewidth": 4.0, "zorder": 3}
     coloured = polylines(ax, [line.points for line in taking], "self-stress", values, **style)
     if model.labels.dimension == 3:
-        widths = {name: entries for name, entries in strips(model, x, drawn).items() if name in part}
-        shades = np.concatenate(
-            [np.full(len(entries), part[name]) for name, entries in widths.items()] or [np.zeros(0)]
-        )
+        widths = {name: quads for name, quads in strips(model, x, drawn).items() if name in part}
+        shades = np.concatenate([np.full(len(quads), part[name]) for name, quads in widths.items()] or [np.zeros(0)])
         faces(ax, list(widths.values()), "section", array=shades, cmap=style["cmap"], clim=style["clim"])
     ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
     most = LABELS[len(taking) > FEW]

@@ -8,7 +8,7 @@ from ..design.tuned import Tuned
 from .canvas import BLACK, BLUE, GREY, entitle
 
 # Most entries of a quantity with colours of their own, and most lines in a column of a legend.
-MOST_LEGEND_LINES = 6
+MOST_LINES = 6
 
 
 def tuning(found: Tuned) -> Any:
@@ -54,7 +54,7 @@ def tuning(found: Tuned) -> Any:
             _relative(ax, count, name, np.asarray(found.history[name], float))
         if ax is not None:
             ax.set_ylabel(f"{label} over its start [-]")
-            ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (MOST_LEGEND_LINES + 1))
+            ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (MOST_LINES + 1))
     for ax in axes[:panels]:
         ax.axvline(_returned(found), color="#777777", linewidth=1.0, linestyle=":")
         ax.set_xlabel("evaluation")
@@ -74,11 +74,7 @@ def tuning(found: Tuned) -> Any:
 def _relative(ax: Any, count: np.ndarray, name: str, values: np.ndarray) -> None:
     """Lines of all entries of a quantity over its first value; many entries share a colour."""
     places = list(np.ndindex(values.shape[1:]))
-    color = (
-        ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color()
-        if len(places) > MOST_LEGEND_LINES
-        else None
-    )
+    color = ax.plot([], [], label=f"{name}, {len(places)} entries")[0].get_color() if len(places) > MOST_LINES else None
     for place in places:
         entry_values = values[(slice(None), *place)]
         first = entry_values[0] if np.isfinite(entry_values[0]) and entry_values[0] != 0 else 1.0

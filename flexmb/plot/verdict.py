@@ -42,15 +42,8 @@ def verdict(found: Verdict) -> Any:
     by, prefix = prefix_of(float(np.max(np.abs(found.stroke))))
     drawn: list[tuple[str, Callable[[Any], None]]] = []
     for title, names, as_share in PANELS:
-        if panel_curves := _curves(found, names, as_share):
-            drawn.append(
-                (
-                    title,
-                    lambda ax, panel_curves=panel_curves, as_share=as_share: _lines(
-                        ax, found, by, panel_curves, as_share
-                    ),
-                )
-            )
+        if curves := _curves(found, names, as_share):
+            drawn.append((title, lambda ax, curves=curves, as_share=as_share: _lines(ax, found, by, curves, as_share)))
     if any(np.any(np.isfinite(limit.used)) and np.nanmax(limit.used) > 0 for limit in found.limits):
         drawn.insert(1, ("share of each limit", lambda ax: _shares(ax, found, by)))
     elif "stress" in found.curves:
@@ -78,9 +71,8 @@ def _curves(assessment: Verdict, names: tuple[str, ...], as_share: bool) -> dict
         finite = np.where(np.isfinite(values), values, np.nan)
         if not name.startswith(names) or np.sum(np.isfinite(finite)) < 2:
             continue
-        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= STRAIGHT_MOTION * np.max(
-            np.abs(assessment.stroke)
-        ):
+        straight = STRAIGHT_MOTION * np.max(np.abs(assessment.stroke))
+        if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= straight:
             continue
         if not as_share:
             curves[name] = finite

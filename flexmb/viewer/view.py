@@ -143,10 +143,10 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
     several = list(stress) if isinstance(stress, list | tuple) else [stress]
     if not several:
         raise ValueError("Argument `stress` is an empty list. Give a stress for each state, or leave it out.")
-    value_tables = [values_of(stress_result, quantity, of_states=len(several) == 1) for stress_result in several]
-    label = value_tables[0][1]
+    labelled_values = [values_of(stress_result, quantity, of_states=len(several) == 1) for stress_result in several]
+    label = labelled_values[0][1]
     # One stress of a path or motion has all its states.
-    every = value_tables[0][0] if value_tables[0][0].ndim > 2 else [rows for rows, _ in value_tables]
+    every = labelled_values[0][0] if labelled_values[0][0].ndim > 2 else [rows for rows, _ in labelled_values]
     several = several * len(every) if len(several) == 1 else several
     if len(several) != states:
         raise ValueError(

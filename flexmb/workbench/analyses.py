@@ -209,8 +209,8 @@ def _trajectory(asked: Request) -> dict[str, Any]:
     key = ("node", owner, component)
     if not builder.dofs and builder.nodes[owner].roles[component - 1].name == "DEPENDENT":
         builder.dof(node, axis)
-    node_start: Any = builder.nodes[owner]
-    start = float(node_start.start[component - 1])
+    owner_node: Any = builder.nodes[owner]
+    start = float(owner_node.start[component - 1])
     # Names of files are numbers.
     at: Any = owner
     leg = Leg(at, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)

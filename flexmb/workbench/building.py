@@ -109,7 +109,7 @@ class Arguments:
 
     def of(self, call: Call, thing: dict[str, Any], tell: Callable[[str, str], None]) -> dict[str, Any]:
         """Values of the fields that are given; faults go to ``tell(address, message)``."""
-        arguments, args = {}, thing["args"]
+        values, args = {}, thing["args"]
         for key, value in args.items():
             field, address = call.fields.get(key), f"{thing['id']}/{key}"
             if field is None:
@@ -118,14 +118,14 @@ class Arguments:
             if value in ("", []):
                 continue
             try:
-                arguments[key] = self._argument(field, address, value)
+                values[key] = self._argument(field, address, value)
             except EditError as fault:
                 tell(fault.address, fault.message)
         for key, field in call.fields.items():
             if not field["optional"] and args.get(key) in (None, "", []):
                 title, word = call.entry["title"].capitalize(), field["name"].replace("_", " ")
                 tell(f"{thing['id']}/{key}", f"{title} needs its {word}.")
-        return arguments
+        return values
 
     def _argument(self, field: dict[str, Any], address: str, value: Any) -> Any:
         kind = field["kind"]

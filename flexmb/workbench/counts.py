@@ -57,11 +57,7 @@ class Count:
 
     def message_data(self) -> dict[str, Any]:
         """Contents of a message to pages; shares belong to the elements in each state of self-stress."""
-        shares = (
-            []
-            if self.mobility is None
-            else [dict(state_shares) for state_shares in self.mobility.states().shares or ()]
-        )
+        shares = [] if self.mobility is None else [dict(pairs) for pairs in self.mobility.states().shares or ()]
         return {
             **self.numbers,
             "over": self.over,
@@ -191,13 +187,9 @@ def _loose_sentences(parts: Iterable[Part]) -> list[str]:
 
 def _listed(names: list[str], kind: str = "") -> str:
     """The first names, in words."""
-    quoted_names = [f"'{name}'" for name in names[:LISTED]]
+    quoted = [f"'{name}'" for name in names[:LISTED]]
     more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    several = (
-        ", ".join(quoted_names) + more
-        if more or len(quoted_names) < 2
-        else f"{', '.join(quoted_names[:-1])} and {quoted_names[-1]}"
-    )
+    several = ", ".join(quoted) + more if more or len(quoted) < 2 else f"{', '.join(quoted[:-1])} and {quoted[-1]}"
     if not kind:
         return several
     return f"{kind.capitalize()}{'s' if len(names) > 1 else ''} {several}"

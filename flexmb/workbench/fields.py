@@ -353,7 +353,7 @@ def _annotation_field(name: str, hint: Any, default: Any, doc: str) -> dict[str,
         several = "sections" if inspect.isclass(inner) and issubclass(inner, Section) else "vector"
         return _field(name, several, default, doc, count=_count((None, None)) if several == "vector" else None)
     sizes = [getattr(candidate, "dim_str", "") for candidate in alternatives]
-    if size := next((int(candidate) for candidate in sizes if candidate.isdecimal()), None):
+    if size := next((int(text) for text in sizes if text.isdecimal()), None):
         return _field(name, "vector", default, doc, count=_count((size, size)))
     return _field(name, "number", default, doc, whole=alternatives == (int,))
 
@@ -375,23 +375,21 @@ def _arguments(function: Any) -> dict[str, str]:
     """Text of a docstring about each argument or attribute, also if it points to another function."""
     lines = (inspect.getdoc(function) or "").splitlines()
     heads = [i for i, line in enumerate(lines) if line in ("Args:", "Attributes:")]
-    argument_texts: dict[str, str] = {}
+    texts: dict[str, str] = {}
     names: list[str] = []
     for line in lines[heads[0] + 1 :] if heads else []:
         if line and not line.startswith(" "):
             break
         if head := re.match(r"    (\w+(?:, \w+)*): (.*)", line):
             names = head.group(1).split(", ")
-            argument_texts |= dict.fromkeys(names, head.group(2))
+            texts |= dict.fromkeys(names, head.group(2))
         else:
-            argument_texts |= {name: f"{argument_texts[name]} {line.strip()}".strip() for name in names}
-    named = [
-        ref for text in argument_texts.values() for ref in re.findall(r"See :func:`(?:flexmb\.\w+\.)?(\w+)`", text)
-    ]
+            texts |= {name: f"{texts[name]} {line.strip()}".strip() for name in names}
+    named = [ref for text in texts.values() for ref in re.findall(r"See :func:`(?:flexmb\.\w+\.)?(\w+)`", text)]
     other = named[0] if named else ""
     other_texts = _arguments(getattr(blocks, other)) if other in dir(blocks) and other != function.__name__ else {}
-    pointing = [name for name, text in argument_texts.items() if text.startswith(("The same.", "See :func:"))]
-    return argument_texts | {name: other_texts[name] for name in pointing if name in other_texts}
+    pointing = [name for name, text in texts.items() if text.startswith(("The same.", "See :func:"))]
+    return texts | {name: other_texts[name] for name in pointing if name in other_texts}
 
 
 def _mentioned(text: str, name: str) -> str:

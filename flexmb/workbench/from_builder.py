@@ -281,10 +281,10 @@ def _called(items: Items, text: str) -> Items:
         if match := LEGEND.fullmatch(line.strip()):
             kind, number, name = match.groups()
             comments.setdefault(kind, {})[number] = name.strip()
-    makers = [(item, call_of(item)) for item in items]
+    pairs = [(item, call_of(item)) for item in items]
     new: dict[str, str] = {}
     for kind in ("node", "element"):
-        ids_by_name = {item["name"]: item["id"] for item, call in makers if call is not None and call.makes == kind}
+        ids_by_name = {item["name"]: item["id"] for item, call in pairs if call is not None and call.makes == kind}
         names = {old: name for old, name in comments.get(kind, {}).items() if old in ids_by_name and name.isprintable()}
         if len({names.get(old, old) for old in ids_by_name}) == len(ids_by_name):
             new |= {ids_by_name[old]: name for old, name in names.items()}

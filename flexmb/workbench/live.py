@@ -39,13 +39,13 @@ class Scenes:
             count = mode_set.shapes.shape[1]
             mode = min(wants.mode, count - 1)
             scene_view = view(self._steady(mode_set, mode), stress=colouring, which=[mode])
-            found_scene = {"kind": "modes", "mode": mode, "modes": count}
+            description = {"kind": "modes", "mode": mode, "modes": count}
         else:
             scene_view = view(model if found.lin is None else found.lin, stress=colouring)
-            found_scene = {"kind": scene_view.kind, "mode": 0, "modes": 0}
+            description = {"kind": scene_view.kind, "mode": 0, "modes": 0}
         if slopes is not None and wants.colour == "sensitivity":
             scene_view = dataclasses.replace(scene_view, colours=_slope_colours(model, scene_view, slopes, label))
-        return {**found_scene, "view": page_data(scene_view)}
+        return {**description, "view": page_data(scene_view)}
 
     def of_count(self, count: Count) -> dict[str, Any] | None:
         """Scene of a mechanism without answers: its self-stress, or its shape; None without elements."""

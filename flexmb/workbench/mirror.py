@@ -41,9 +41,9 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     if not op.get("keep", True):
         ids = {document.thing(id)["id"] for id in op["ids"]}
         items = [image.of(item) if item["id"] in ids else item for item in document.things]
-        mirrored = image.with_sections(items, ids, document.data["next"])
-        number = document.data["next"] + len(mirrored) - len(items)
-        return document.with_things(mirrored, next=number), Report([], [], "mirror")
+        new_items = image.with_sections(items, ids, document.data["next"])
+        number = document.data["next"] + len(new_items) - len(items)
+        return document.with_things(new_items, next=number), Report([], [], "mirror")
     chosen = selected(document, op["ids"])
     shared = {item["id"]: item["id"] for item in chosen if image.is_on_plane(item)}
     mirrored, ids = cloned(document, chosen, image.of, shared)

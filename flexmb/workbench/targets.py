@@ -249,7 +249,7 @@ class _Tuning:
         """Which targets are not met, the nearest values, and what limits them."""
         by_key, unit = self._by_key(values), self.scaling.to_unit(x)
         bad = [w for w in self.wants if w.missed(by_key[w.key]) > TARGET_MET]
-        reached = [f"{want} is not reached: it comes to {answer_text(by_key[want.key], want.unit)}" for want in bad]
+        not_reached = [f"{want} is not reached: it comes to {answer_text(by_key[want.key], want.unit)}" for want in bad]
         limits = []
         for name, u, low, high in zip(self.free, unit, self.scaling.lower, self.scaling.upper, strict=True):
             if min(u, 1 - u) < AT_BOUND:
@@ -264,7 +264,7 @@ class _Tuning:
             limits.append(f"further designs have no answer: {self.failed.message}")
         why = "; ".join(limits) or "no small change of a dimension brings it nearer"
         advice = "Widen the bounds" if limits else "Begin with other values"
-        return f"{', '.join(reached)}; {why}. {advice}, or let more dimensions vary."
+        return f"{', '.join(not_reached)}; {why}. {advice}, or let more dimensions vary."
 
     def _written(self, x: np.ndarray) -> tuple[list[dict[str, Any]], dict[str, float]]:
         """The edit that writes a design with the fewest digits that meet the targets, and the design as written."""

@@ -131,10 +131,8 @@ _LOCK = threading.Lock()
 
 def clamps_of(model: Model) -> tuple[tuple[bool, ...], ...]:
     """Whether ends of leaf springs and warping beams are clamped, for each block with such ends."""
-    properties = [
-        block_properties["clamped"] for block_properties in model.parameters.properties if "clamped" in block_properties
-    ]
-    return tuple(tuple((np.asarray(clamped) == 1).ravel().tolist()) for clamped in properties)
+    flags = [entry["clamped"] for entry in model.parameters.properties if "clamped" in entry]
+    return tuple(tuple((np.asarray(clamped) == 1).ravel().tolist()) for clamped in flags)
 
 
 def traced(document: Document, model: Model, keys: Sequence[str], node: str | None = None) -> Traced:
