@@ -310,7 +310,7 @@ STRAINING = {"elongation": "stretches", "curvature": "bends", "twist": "twists",
 
 
 def _moving(entry: Any, labels: Any) -> str:
-    """What a coordinate does, without the name of an Euler parameter or of a coefficient."""
+    """Return a verb and the node or element that a coordinate moves."""
     if entry.kind == "internal":
         # The coefficients of the strains are the last deformations of their element.
         element = entry.of.removesuffix(".internal")

@@ -151,7 +151,8 @@ def warn_of_ends(described: Description) -> None:
             faults.append(f"Poisson's ratio of its material is {nu:.3g}, and fits hold from 0.2 to 0.4")
         if faults:
             warn(
-                f"Element '{name}' has ends that were not compared with solid elements: {'; '.join(faults)}.",
+                f"Element '{name}' has ends that differ from solid elements or were not compared with them:"
+                f" {'; '.join(faults)}.",
                 BeamTheoryWarning,
             )
         if skew is not None:

@@ -48,7 +48,7 @@ def warn_of_material(of: str, material: Material) -> None:
 
 def _of_material(material: Any) -> Iterator[str]:
     modulus, density = float(material.E), float(material.rho)
-    # Gels and soft rubbers are nearly incompressible, and foams are light.
+    # Gels and soft rubbers are nearly incompressible. Foams are light.
     soft = density < DENSEST_GEL and (material.poisson() > 0.45 or 23 <= density <= 300)
     if 10.0 <= modulus < SOFTEST_STIFF_SOLID and not soft:
         unit = "GPa" if modulus < 2e3 else "MPa"
@@ -78,7 +78,7 @@ def warn_of_section(of: str, section: Section) -> None:
         return
     if large := _too_large(section):
         listed = ", ".join(f"{name} = {size:g} m" for name, size in large)
-        warn(f"The {of} has {listed}. {_ask_for_metres('cross-section')}")
+        warn(f"The {of} has {listed}. {_too_large_for('cross-section')}")
     material = getattr(section, "material", None)
     if isinstance(material, Material):
         warn_of_material(of, material)
@@ -97,8 +97,8 @@ def _number(section: Any, name: str) -> float:
         return 0.0
 
 
-def _ask_for_metres(what: str) -> str:
-    return f"No {what} of a mechanism is as large. Are lengths in millimetres? flexmb reads metres."
+def _too_large_for(what: str) -> str:
+    return f"This is too large for a {what}. Are lengths in millimetres? flexmb reads metres."
 
 
 def warn_of_lengths(builder: Description) -> None:
@@ -107,12 +107,12 @@ def warn_of_lengths(builder: Description) -> None:
     if places and is_concrete(places):
         reach = np.ptp(np.array([np.asarray(place, float) for place in places]), axis=0)
         if np.max(reach) > LARGEST_MECHANISM:
-            warn(f"Nodes are {np.max(reach):g} m apart. {_ask_for_metres('distance')}")
+            warn(f"Nodes are {np.max(reach):g} m apart. {_too_large_for('mechanism')}")
             return
     for name, member in builder.members.items():
         section = member.properties.get("section")
         if member.element.name == "leaf_spring" and isinstance(section, Section) and is_concrete(section):
             thickness = _number(section, "thickness")
             if thickness > THICKEST_LEAF_SPRING and not _too_large(section):
-                warn(f"Leaf spring '{name}' has thickness = {thickness:g} m. {_ask_for_metres('leaf spring')}")
+                warn(f"Leaf spring '{name}' has thickness = {thickness:g} m. {_too_large_for('leaf spring')}")
                 return

@@ -1,4 +1,4 @@
-"""Rotations in space that are FIXED about two global axes: by the tilts of the hinge about the third."""
+"""Rotations in space that are FIXED about two global axes: flexmb fixes the tilts of the hinge about the third axis."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from .description import Description, turn_about
 
 
 def with_tilts(builder: Description) -> Description:
-    """Return a builder whose rotations that are FIXED about two global axes turn about the third without limit.
+    """Return a builder in which rotations that are FIXED about two global axes turn about the third without limit.
 
-    Two angles that are zero do not determine a rotation by half a turn about the third axis. The tilts of the hinge
-    about this axis allow the same rotations, and determine all of them.
+    If two angles are zero, they do not determine a rotation by half a turn about the third axis. The tilts of the hinge
+    about this axis determine all rotations about it.
 
     Returns:
-        A copy; the builder itself without such rotations, and if an input moves one of the two angles.
+        A copy. Without such rotations, or if an input moves one of the two angles: the builder itself.
 
     Source:
         THEORY.md 2, eq. (2.17).

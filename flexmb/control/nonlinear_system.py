@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # Degrees of freedom move from the last evaluation in at most FARTHEST steps of at most STEP extents, metres (of
 # deformations) or radians, so that turns are counted. After a failure, four times as many steps are tried, FINER times.
 STEP, FARTHEST, FINER = 1.0, 20_000, 4
-# Evaluations after which a warning names faster methods. Implicit methods need some hundreds for a step response.
+# Number of evaluations after which a warning names faster methods.
 MANY = 10_000
 
 
@@ -161,9 +161,8 @@ def to_nonlinear_system(
     the other coordinates, starting from the last evaluation, in steps if the change is large.
 
     Most mechanisms are stiff: their fastest vibration is much faster than the motion. The default method of
-    ``control.input_output_response``, RK45, takes steps as short as this vibration. Pass ``solve_ivp_method="Radau"``:
-    for 0.1 s of a guide of two leaf springs with a PID controller it took 1.6 s of processor time, RK45 28 s. Or use
-    ``fm.simulate`` with ``control=``.
+    ``control.input_output_response``, RK45, takes steps as short as this vibration. Pass ``solve_ivp_method="Radau"``,
+    or use ``fm.simulate`` with ``control=``.
 
     Args:
         model: Mechanism with named inputs and outputs.

@@ -202,7 +202,7 @@ def limits_of(name: str, shape: tuple[int, ...], pair: Any) -> tuple[Any, Any]:
     )
     for side, numbers_of in (("lower", low), ("upper", high)):
         if numbers_of is not None and np.any(np.isnan(numbers_of)):
-            raise ValueError(f"The {side} limit of '{name}' is NaN. Give a number, or None for none.")
+            raise ValueError(f"The {side} limit of '{name}' is NaN. Give a number, or None for no limit.")
     if low is not None and high is not None and not np.all(low < high):
         raise ValueError(f"Limits of '{name}' are empty: lower {lower} is not below upper {upper}; see `equal`.")
     return lower, upper

@@ -166,8 +166,8 @@ def correlation_root(scatter: Scatter, layout: Layout) -> Float[np.ndarray, "n n
         return np.linalg.cholesky(matrix)
     except np.linalg.LinAlgError:
         raise ValueError(
-            "The correlations contradict each other: their matrix is not positive definite. A pair that is not given"
-            " has no correlation."
+            "The correlations contradict each other: their matrix is not positive definite. Pairs that you do not name"
+            " have the correlation 0."
         ) from None
 
 

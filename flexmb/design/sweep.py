@@ -61,7 +61,7 @@ def sweep(
             one design after the other.
         chunk: Number of designs between two checkpoints, and in one task of an executor.
         together: Number of designs computed at once. More than one is faster on a GPU (on a CPU only for small models:
-            many LAPACK calls at once may hang). Motions at once all take as long as the slowest of them.
+            many LAPACK calls at once may hang). Motions computed at once take as long as the slowest.
         executor: Object with ``submit`` of ``concurrent.futures``, such as a pool or
             ``dask.distributed.Client(..).get_executor()``. Each task computes a chunk. Each worker compiles the
             analysis, and uses the folder of ``fm.enable_cache`` if possible. Processes must not be forks:

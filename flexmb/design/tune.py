@@ -390,12 +390,12 @@ def _ignored(problem: TuningProblem, kernel: _Kernel, slopes: np.ndarray, seed: 
 
 
 def _flat_yield(of_answers: Layout, at_start: Any, asked: np.ndarray) -> str:
-    """Return advice for a wanted yield that no small change of the dimensions changes; otherwise an empty text."""
+    """Return advice if small changes of the dimensions do not change a wanted yield; otherwise an empty text."""
     values, slopes, _ = at_start
     place = of_answers.labels.index(YIELD) if YIELD in of_answers.labels else -1
     if place not in asked or np.any(slopes[place] != 0):
         return ""
-    return f"The yield is {values[place]:g} near the start: start where some made mechanisms are acceptable, not all."
+    return f"The yield is {values[place]:g} near the start. Start where only some made mechanisms are acceptable."
 
 
 def _refuse_ignored(labels: list[str], ignored: np.ndarray, advice: str = "") -> None:

@@ -65,8 +65,8 @@ def verdict(
         steps: Number of strokes to each side. If a stroke has no equilibrium, this side ends at the largest stroke with
             an equilibrium, found to a hundredth of the stroke.
         count: Number of frequencies.
-        progress: True for a bar, or a function called with the number of strokes done and of all. None: a bar where
-            there is a terminal. The first verdict of a mechanism in space compiles for up to a minute.
+        progress: True for a bar, or a function called with the number of strokes done and of all. None: a bar in a
+            terminal.
 
     Returns:
         Verdict with stroke (states,) [m or rad] and curves by name, (states,) [their units].

@@ -193,7 +193,7 @@ def cuts(leaf: Any, length: Any) -> Any:
 
 
 def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6"]]]:
-    """Return the compliances that act at both ends of a leaf spring themselves, in axes of the end sections.
+    """Return the compliances of steps and roots at both ends of a leaf spring, in axes of the end sections.
 
     Returns:
         Factor on the length of the zone, and the compliances of both ends. Steps come first, then roots. An absent
@@ -294,10 +294,10 @@ def jumps(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Arr
 
 
 def spread_cuts(leaf: Any, order: int, steps: Any, length: Any, names: Sequence[str]) -> Float[Array, "s 3 6 c"]:
-    """Return what skew cuts add to the strains at the three Gauss nodes of each step, times length.
+    """Return the strains that skew cuts add at the three Gauss nodes of each step, times length.
 
-    Returns stretch, shears, twist and curvatures by the coefficients, (s, 3, 6, c) [-]; they have the same moments over
-    a step as the weights of (2.67).
+    Returns stretch, shears, twist and curvatures by the coefficients, (s, 3, 6, c) [-]. Over a step, they have the same
+    moments as the weights of (2.67).
 
     Args:
         steps: Sizes of the steps over the length of the leaf spring, (s,).

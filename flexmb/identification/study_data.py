@@ -302,9 +302,7 @@ def _columns_of(
     for name, column in selected.items():
         pattern, unit = OTHER_UNITS.get(name, ("$^", ""))
         if isinstance(column, str) and re.search(pattern, column):
-            raise StudyError(
-                f"{subject}: column '{printable(column)}' is {name} in another unit. Convert it to {unit}."
-            )
+            raise StudyError(f"{subject}: column '{printable(column)}' has another unit. Convert {name} to {unit}.")
     places = {name: _place(subject, header, column) for name, column in selected.items()}
     if not by_number:
         _check_lengths(subject, header, cells)

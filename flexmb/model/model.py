@@ -199,7 +199,7 @@ class Labels:
         return (indices, TURNS.index(component)) if indices and self.x[indices[0]].kind == "rotation" else None
 
     def holding(self, name: str) -> list[int]:
-        """Indices in e of deformations of hinges that hold a rotation such as "top.rx" while they are FIXED."""
+        """Return the indices in e of hinge deformations that hold a rotation such as "top.rx" if they are FIXED."""
         of, _, axis = name.rpartition(".")
         hinges = {turn_of(of, axis): 1}
         for other in TURNS:

@@ -67,7 +67,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     _, timed, start = (part.whole(part.numbers) for part in parts)
     numbers, most = parts[0].numbers, ends.shape[0]
     count = jnp.sum(jnp.isfinite(ends))
-    # A step of zero length comes first: it computes accelerations and multipliers at the begin.
+    # A step of zero length comes first: it computes accelerations and multipliers at the start.
     count, edges = count + 1, jnp.concatenate([timed.t0[None], timed.t0[None], ends])
     varied = bool(parts[1].numbers)
 

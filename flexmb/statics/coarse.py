@@ -38,7 +38,7 @@ LAST = 3
 # Warnings of leaf springs at strokes, by the stroke over the length. The errors are beside solid elements.
 CUT_TEXT = "wide skew cuts at a stroke of {:.2g} of the length. Stiffnesses may be 16 % off. Compare them yourself."
 TWIST_TEXT = (
-    "initial twist at a stroke of {:.2g} of the length. The stiffness across the stroke may be 55 % off where it has a"
+    "initial twist at a stroke of {:.2g} of the length. The stiffness across the stroke may be 57 % off where it has a"
     " minimum. Compare it yourself."
 )
 ROUGH_TWIST_TEXT = (
@@ -50,7 +50,7 @@ ROUGH_TWIST_TEXT = (
 def warn_of_coarse(model: Model, e: Any) -> None:
     """Warn of cubic beams that are bent, twisted or stretched too far, and of leaf springs that are bent too far.
 
-    Leaf springs with skew cuts or initial twist have a smaller limit of their own (BeamTheoryWarning).
+    Leaf springs with skew cuts or initial twist have a smaller limit (BeamTheoryWarning).
 
     ``e`` are deformations, (*times, n_e). The check skips traced deformations and values that are not finite. A
     stretched cubic beam bends with EI (1 + strain)^2: THEORY.md 2, below eq. (2.10).

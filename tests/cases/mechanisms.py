@@ -171,6 +171,24 @@ def spatial_guide(
     return b
 
 
+def guide_with_ports(element: Any, **properties: Any) -> fm.Model:
+    """The guide of T2 with these leaf springs and 0.1 kg at both ends of its bar, with a force and a position."""
+    b = fm.Builder()
+    places = {"A": (0, 0), "B": (0, LENGTH), "C": (DISTANCE, LENGTH), "D": (DISTANCE, 0)}
+    for name, place in places.items():
+        b.node(name, place)
+    for name, ends in (("left", "AB"), ("right", "DC")):
+        b.add(element, *ends, name=name, section=leaf(), **properties)
+    b.add(planar.beam, "B", "C", name="stage")
+    for foot in "AD":
+        b.fix(foot)
+    for end in "BC":
+        b.mass(end, 0.1)
+    b.input("C", "x", name="force")
+    b.output("B", "x", name="position")
+    return b.build()
+
+
 def braced_rectangle() -> fm.Builder:
     """Six bars on four pins, 3 by 4 m: one too many. The forces of its self-stress go with the lengths of the bars."""
     b = fm.Builder()

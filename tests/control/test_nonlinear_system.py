@@ -3,6 +3,7 @@
 import control
 import numpy as np
 import pytest
+from cases.mechanisms import LENGTH, guide_with_ports, leaf
 from cases.motions import meshing_wheels, sprung_mass
 
 import flexmb as fm
@@ -41,29 +42,11 @@ def test_what_is_out_of_reach_is_told(turn):
         plant.dynamics(0.0, [turn, 0.0, 0.0, 0.0], [0.0, 0.0])
 
 
-def guide():
-    """Stage on two leaf springs, whose other coordinates follow from three degrees of freedom."""
-    leaf = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
-    damping = fm.sections.damping_from_ratio(leaf, 0.1, 0.005, frequency=10.0)
-    b = fm.Builder()
-    for name, place in {"A": (0.0, 0.0), "B": (0.0, 0.1), "C": (0.1, 0.1), "D": (0.1, 0.0)}.items():
-        b.node(name, place)
-    b.add(planar.beam, "A", "B", name="left", section=leaf, damping=damping)
-    b.add(planar.beam, "D", "C", name="right", section=leaf, damping=damping)
-    b.add(planar.beam, "B", "C", name="stage")
-    for foot in "AD":
-        b.fix(foot)
-    for end in "BC":
-        b.mass(end, 0.1)
-    b.input("C", "x", name="force")
-    b.output("B", "x", name="position")
-    return b.build()
-
-
 @pytest.mark.slow
 def test_a_loop_of_python_control_with_the_plant():
-    """python-control compares outputs to the last digit: at one state they may not depend on earlier questions."""
-    model = guide()
+    """python-control compares outputs to the last digit: at one state they must not depend on earlier evaluations."""
+    damping = fm.sections.damping_from_ratio(leaf(), LENGTH, 0.005, frequency=10.0)
+    model = guide_with_ports(planar.beam, damping=damping)
     plant, pid = fm.control.to_nonlinear_system(model), fm.control.pid(model, 20.0)
     state = np.array([1e-3, 1e-3, -2e-3, 0.1, 0.0, 0.0])
     outputs = [plant.output(0.0, state, [force])[0] for force in (0.0, 1.0, -3.0, 0.0)]
@@ -86,5 +69,5 @@ def test_many_evaluations_are_told_with_a_faster_method(monkeypatch):
     state = np.zeros(4)
     for time in (0.0, 0.0, 1.0):
         plant.dynamics(time, state, [0.0, 0.0])
-    with pytest.warns(fm.FlexmbWarning, match=r"evaluated 3 times, up to 2 s.*solve_ivp_method='Radau'"):
+    with pytest.warns(fm.FlexmbWarning, match=r"evaluated 3 times, up to t = 2 s.*solve_ivp_method='Radau'"):
         plant.dynamics(2.0, state, [0.0, 0.0])

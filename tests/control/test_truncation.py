@@ -7,7 +7,7 @@ import control
 import jax
 import numpy as np
 import pytest
-from cases.mechanisms import LENGTH, leaf, planar_guide
+from cases.mechanisms import guide_with_ports, planar_guide
 from cases.tolerances import approx
 
 import flexmb as fm
@@ -155,26 +155,10 @@ def test_what_is_left_out_is_carried_along_whatever_the_degrees_of_freedom(dampe
     np.testing.assert_allclose(systems[0](20j)[:3], full(20j)[:3], rtol=1e-3 if damped else 1e-4)
 
 
-def fine_guide() -> fm.Model:
-    b = fm.Builder()
-    for name, place in {"A": (0, 0), "B": (0, LENGTH), "C": (0.1, LENGTH), "D": (0.1, 0)}.items():
-        b.node(name, place)
-    for name, ends in (("left", "AB"), ("right", "DC")):
-        b.add(planar.spectral_beam(4), *ends, name=name, section=leaf())
-    b.add(planar.beam, "B", "C", name="stage")
-    for end in "AD":
-        b.fix(end)
-    for end in "BC":
-        b.mass(end, 0.1)
-    b.input("C", "x", name="force")
-    b.output("B", "x", name="position")
-    return b.build()
-
-
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_margins_of_a_stiff_guide():
     """Of all modes, up to 1e5 Hz, python-control cannot tell the margins; of those of the band it can."""
-    lin, lead = fm.damped(fine_guide(), ratio=0.01), control.tf([3.0, 300.0], [1e-3, 1.0])
+    lin, lead = fm.damped(guide_with_ports(planar.spectral_beam(4)), ratio=0.01), control.tf([3.0, 300.0], [1e-3, 1.0])
     full = fm.to_statespace(lin)
     # The coefficients of its polynomials overflow.
     with pytest.raises(np.linalg.LinAlgError):

@@ -389,7 +389,7 @@ def test_leaf_springs_side_by_side_have_one_freedom(space):
     assert found.model.topology.n_q == 1
     assert found.error.worst < 0.01
     if not space:
-        # A turn of the stage bends the leaf springs, with little of its energy.
+        # Loads at the stage have three static responses: along x, along y and about z.
         at_stage = fm.lean(full, bandwidth=100.0, nodes=["stage"])
         assert at_stage.model.topology.n_q == 3
         assert at_stage.error.worst < 0.01

@@ -128,7 +128,7 @@ WRONG = [
     (
         "[correlation]\nt.w = 0.5",
         "l = 1e-4\n[correlation]\nt = { w = 0.9, l = 0.9 }",
-        "[correlation]: The correlations contradict each other: their matrix is not positive definite. A pair that is",
+        "[correlation]: The correlations contradict each other: their matrix is not positive definite. Pairs that you",
     ),
     ("{ lower = 900.0 }", "{ lower = 900.0, upper = 800.0 }", "[acceptable] k: lower 900.0 is not below upper 800.0"),
     ("[targets]", "[limits]\nk = { lower = 9.0, upper = 8.0 }\n[targets]", "[limits] k: lower 9.0 is not below upper"),

@@ -125,6 +125,6 @@ def test_a_lean_model_against_the_scatter_of_data():
     assert f"Against the scatter of measurements: frequency 1 {shift:+.2g} deviations." in str(small)
     assert fm.compare(small.model, full, {"frequency 1": 0.05}).distance == pytest.approx(abs(shift), rel=1e-6)
     with pytest.warns(fm.FlexmbWarning, match="more than half of the scatter in 'frequency 1'"):
-        fm.lean(full, bandwidth=100.0, tolerance=0.01, deviations={"frequency 1": 0.005})
+        fm.lean(full, bandwidth=100.0, tolerance=0.01, deviations={"frequency 1": 0.001})
     with pytest.raises(fm.ModelError, match="positive"):
         fm.lean(full, bandwidth=100.0, deviations={"frequency 1": 0.0})

@@ -254,7 +254,7 @@ FAULTS = [
     (
         "[data.r]\nresponse = true\nfile = 'degrees.csv'\n"
         "columns = { hertz = 'f', magnitude = 'm', phase = 'p [deg]' }",
-        "'degrees.csv': column 'p [deg]' is phase in another unit. Convert it to rad",
+        "'degrees.csv': column 'p [deg]' has another unit. Convert phase to rad",
     ),
     (CURVE + "file = 'degrees.csv'", "has no column values or deviation or over. Its columns are: f, m, p [deg]."),
     (CURVE + "values = 940.0\n[fit]\nlevel = 95.0", "[fit] level must be below 1"),

@@ -370,7 +370,7 @@ def lattice(per_metre):
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*flexmb reads metres:flexmb.FlexmbWarning")
+@pytest.mark.filterwarnings("ignore:.*flexmb reads (metres|SI units):flexmb.FlexmbWarning")
 def test_units_make_nothing_singular():
     """In micrometres constraints of rigid bodies stand beside stiffnesses 1e12 times as large."""
     metres, micrometres = (
