@@ -26,8 +26,8 @@ PRINCIPAL_MOMENTS = 1e-9
 and eigenvalues carry round-off."""
 
 SOFTEST_STIFF_SOLID = 1e6
-"""Young's modulus in Pa below which solids are gels, soft rubbers or foams. Metals in MPa (210e3) or GPa (210) are
-below."""
+"""Young's modulus in Pa below which solids are gels, soft rubbers or foams. Moduli of metals in MPa (210e3)
+or GPa (210) are below."""
 
 DENSEST_GEL = 1500.0
 """Density of gels and soft rubbers in kg/m^3, with fillers."""
@@ -39,7 +39,7 @@ LIGHTEST_STIFF_SOLID = 25.0
 """Density in kg/m^3 below which no solid is stiffer than SOFTEST_STIFF_SOLID. Densities in g/cm^3 are below."""
 
 WEAKEST_SOLID = 1e-6
-"""Strength over Young's modulus; annealed pure metals have 1e-4. Strengths in MPa beside E in Pa have at most 1e-7."""
+"""Strength over Young's modulus; annealed pure metals have 1e-4. A strength in MPa beside E in Pa has at most 1e-7."""
 
 LARGEST_EXPANSION = 1e-2
 """Coefficient of thermal expansion in 1/K; polymers have up to 3e-4. Numbers in 1e-6/K are above."""
@@ -48,13 +48,13 @@ CONTRADICTING_MODULI = 0.1
 """Relative difference of G from E/(2 (1 + nu)). Published constants of metals scatter by up to 3 %."""
 
 LARGEST_MECHANISM = 1e3
-"""Distance of nodes in m; the largest cranes have 250 m. Metres in mm and millimetres in um are above."""
+"""Distance of nodes in m; the largest cranes have 250 m. Lengths above 1 m in mm, and above 1 mm in um, exceed it."""
 
 LARGEST_SECTION = 10.0
-"""Width, thickness or diameter of a beam in m; towers have up to 10 m. Strips of 18 mm in mm are above."""
+"""Width, thickness or diameter of a beam in m; towers have up to 10 m. A width of 18 mm in mm exceeds it."""
 
 THICKEST_LEAF_SPRING = 0.05
-"""Thickness of a leaf spring in m; leaf springs of railway wagons have 0.02 m. Sheets of 0.1 mm in mm are above."""
+"""Thickness of a leaf spring in m; leaf springs of railway wagons have 0.02 m. A sheet of 0.1 mm in mm exceeds it."""
 
 DIRECTED_STRESS = 1e-9
 """A bending moment or a shear force on a ring has a direction where it exceeds this share of all that stresses the
