@@ -60,9 +60,9 @@ DIRECTED_STRESS = 1e-9
 """A bending moment or a shear force on a ring has a direction where it exceeds this share of all that stresses the
 section. Below, its direction is round-off and has no derivative."""
 
-DISTORTION_SERIES = 1.0
-"""u^4 of a distorted strip up to which a quotient of power series replaces the closed form. The series is exact to
-round-off there, and the closed form loses digits."""
+STRIP_RATIOS = 30.0
+"""u^4 of a bent strip up to which power series replace the closed form. The series are exact to round-off there, and
+derivatives of the closed form lose digits."""
 
 STRIP_SERIES = 0.06
 """u^4 of a flattened strip up to which a quotient of power series replaces the closed form. The series is exact to

@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..arguments import is_concrete
+from ..elements.bent_strip import curving
 from ..elements.curves import curvature_at
-from ..elements.leaf import curving, leaf_of
+from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from .clamps import FOLD, elements_at, leaf_axes, nodes_of_kind, span_of

@@ -11,7 +11,6 @@ Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectra
 """
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -22,9 +21,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..errors import ModelError
-from ..math.derivative import pointwise
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
-from ..numerical_limits import DISTORTION_SERIES
+from .bent_strip import curving, relaxing_and_distorting
 from .curves import curvature_at
 from .leaf_ends import Ends, ends_of
 from .profile import NODES, Profile
@@ -405,11 +403,11 @@ class Leaf(Sheared):
             "n,na,nb->ab", weights * free * bending * nu**2 / (1 - nu**2) * (1 - curving(fourth)), bent, bent
         )
         if rate is not None:
-            softer = self.distorted(places, length) * stiff * wide**2 / 12 * (distorting(fourth) - 1)
+            keeps, distorting = relaxing_and_distorting(fourth)
+            softer = self.distorted(places, length) * stiff * wide**2 / 12 * (distorting - 1)
             matrix = matrix + jnp.einsum("n,na,nb->ab", weights * softer, sideways, sideways)
             drawn = stiff * wide**2 * twisted
             coupling = jnp.einsum("n,na,nb->ab", weights * drawn / 12, stretch, rate)
-            keeps = relaxing(fourth)
             pulled = bending * nu / (1 - nu**2) * fourth * keeps / 180 * curved / (curved**2 + TINY) * 2 * twisted
             coupling = coupling + jnp.einsum("n,na,nb->ab", weights * pulled, bent, rate)
             matrix = matrix + coupling + coupling.T
@@ -480,9 +478,9 @@ class Leaf(Sheared):
         # u^4 is a smooth function of the curvature.
         scale = 3 * (1 - nu**2) * (wide**2 / thick) ** 2
         fourth = scale * (curved + bent) ** 2
-        bending, keeps = bending * nu / (1 - nu**2), relaxing(fourth)
+        bending, (keeps, distorting) = bending * nu / (1 - nu**2), relaxing_and_distorting(fourth)
         initial = None if self.initial is None else scale * curved**2
-        kept = 0.0 if initial is None else relaxing(initial)
+        kept, distorted = (0.0, 1.0) if initial is None else relaxing_and_distorting(initial)
         flatter = bending * fourth * keeps / 180
         # The matrix contains the quadratic part.
         first = 0.0 if initial is None else bending * initial * kept / 180
@@ -490,8 +488,7 @@ class Leaf(Sheared):
         if rates is None:
             return energy
         # Distortion of the cross-section in sideways bending.
-        softer = distorting(fourth) - (1 if initial is None else distorting(initial))
-        softer = softer * self.distorted(places, length) * stiff * wide**2 / 12
+        softer = (distorting - distorted) * self.distorted(places, length) * stiff * wide**2 / 12
         energy = energy + 0.5 * length * weights @ (softer * (sideways @ c) ** 2)
         rate = rates @ c
         longer, before = rate * (2 * twisted + rate), 2 * twisted * rate
@@ -542,54 +539,6 @@ def _fading(places: Float[Array, "n"] | np.ndarray, layer: Scalar):
     """Function h with layer^2 h'' = h, h(0) = 1 and h(1) = 0, and its slope."""
     decaying, back, scale = jnp.exp(-places / layer), jnp.exp((places - 2) / layer), 1 - jnp.exp(-2 / layer)
     return (decaying - back) / scale, -(decaying + back) / (scale * layer)
-
-
-@pointwise
-def curving(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Return the curvature across a bent strip over its value for small bending, by u^4.
-
-    Returns (2/u) (cosh u - cos u)/(sinh u + sin u), the same shape [-]: 1 for small u, 2/u for large. Source: THEORY.md
-    2, eq. (2.23).
-    """
-    u = jnp.sqrt(jnp.sqrt(fourth + TINY))
-    less, sine, cosine = jnp.expm1(-u), jnp.sin(u / 2), jnp.cos(u / 2)
-    # Numerator and denominator times exp(-u). cosh u - cos u = 2 sinh(u/2)^2 + 2 sin(u/2)^2 loses no digits at small u.
-    above = less**2 / 2 + 2 * sine**2 * (1 + less)
-    below = 2 * sine * cosine * (1 + less) - less * (2 + less) / 2
-    return 2 / u * above / below
-
-
-@pointwise
-def relaxing(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Return the share of the stress of twist that a bent strip keeps, by u^4.
-
-    Returns 180 (1 - F)/u^4 with F of :func:`curving`, the same shape [-]: 1 for small u, 180/u^4 for large. Source:
-    THEORY.md 2, eq. (2.65).
-    """
-    small = fourth < DISTORTION_SERIES
-    v, large = jnp.where(small, fourth, 0.0), jnp.where(small, 1.0, fourth)
-    factorials = [(math.factorial(4 * k + 1), math.factorial(4 * k + 2)) for k in range(5)]
-    above = sum(v ** (k - 1) * (1 / one - 2 / two) for k, (one, two) in enumerate(factorials) if k)
-    below = sum(v**k / one for k, (one, _) in enumerate(factorials[:4]))
-    return 180 * jnp.where(small, above / below, (1 - curving(large)) / large)
-
-
-@pointwise
-def distorting(fourth: Float[Array, "*n"]) -> Float[Array, "*n"]:
-    """Return the sideways bending stiffness of a bent strip over its value for small bending, by u^4.
-
-    Returns (3/u) (sinh u - sin u)/(cosh u - cos u), the same shape [-]: 1 for small u, 3/u for large. Source: THEORY.md
-    2, eq. (2.56).
-    """
-    small = fourth < DISTORTION_SERIES
-    v, u = jnp.where(small, fourth, 0.0), jnp.sqrt(jnp.sqrt(jnp.where(small, 1.0, fourth)))
-    above, below = (
-        sum(v**k * (math.factorial(first) / math.factorial(4 * k + first)) for k in range(4)) for first in (3, 2)
-    )
-    # Numerator and denominator over exp(u)/2 do not overflow.
-    once = jnp.exp(-u)
-    large = 3 / u * (1 - once**2 - 2 * once * jnp.sin(u)) / (1 + once**2 - 2 * once * jnp.cos(u))
-    return jnp.where(small, above / below, large)
 
 
 def faults_of_leaf(section: Section, ref: Any, curvature: Any = None, count: int = NODES) -> list[str]:

@@ -11,7 +11,8 @@ from jaxtyping import Array, Float
 
 from ..numerical_limits import STRIP_SERIES
 from . import surface
-from .leaf import REACHES, Leaf, curving, distorting, share_of_change
+from .bent_strip import curving, relaxing_and_distorting
+from .leaf import REACHES, Leaf, share_of_change
 from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
@@ -59,7 +60,7 @@ def leaf_stress(
         warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
         resultants = resultants.at[3].set(numbers.GIt * rate)
         # In sideways bending the section distorts, and the edges carry more stress.
-        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (distorting(fourth) - 1)
+        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (relaxing_and_distorting(fourth)[1] - 1)
         resultants = resultants.at[5].divide(1 + softer)
     sigma, tau = rectangle.stress(resultants)
     stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)

@@ -185,23 +185,3 @@ def _as_known(number: Any, known: Any) -> Any:
     """The known value of an integer or flag, else the differentiated value."""
     use_known = not jnp.issubdtype(number.dtype, jnp.inexact) and not isinstance(known, jax.core.Tracer)
     return known if use_known else number
-
-
-def pointwise(function: Callable[[jax.Array], jax.Array]) -> Callable[[jax.Array], jax.Array]:
-    """A function of one number, applied to each entry of an array; its derivative is computed once per entry.
-
-    JAX would carry every direction of a derivative through each operation. Here each direction is multiplied by the
-    slope. The result may be differentiated any number of times.
-    """
-
-    @jax.custom_jvp
-    def applied(x: jax.Array):
-        return function(x)
-
-    @applied.defjvp
-    def _(primals: tuple[jax.Array, ...], tangents: tuple[jax.Array, ...]):
-        (x,), (change,) = primals, tangents
-        slope = pointwise(lambda x: jax.jvp(function, (x,), (jnp.ones_like(x),))[1])
-        return applied(x), slope(x) * change
-
-    return applied

@@ -14,7 +14,8 @@ from numpy.polynomial import polynomial
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.build.clamps import End, as_before
-from flexmb.elements.leaf import Leaf, curving
+from flexmb.elements.bent_strip import curving
+from flexmb.elements.leaf import Leaf
 
 STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850.0, alpha=11.5e-6)
 LEAF = fm.Rectangle(0.018, 0.5e-3, STEEL)

@@ -1,6 +1,9 @@
 """Leaf springs that are short, broad, thick or bent far beside solid elements; the law of their distortion."""
 
+import decimal
+import math
 import warnings
+from decimal import Decimal
 
 import jax
 import jax.numpy as jnp
@@ -11,7 +14,8 @@ from scipy.integrate import solve_bvp
 
 import flexmb as fm
 from flexmb import planar, spatial
-from flexmb.elements.leaf import Leaf, distorting
+from flexmb.elements.bent_strip import curving, relaxing_and_distorting
+from flexmb.elements.leaf import Leaf
 from flexmb.elements.leaf_stress import leaf_stress
 
 fm.enable_x64()
@@ -88,16 +92,39 @@ def by_plate(u: float) -> float:
 @pytest.mark.parametrize("u", [0.4, 1.5, 4.0, 8.0])
 def test_distortion_of_a_bent_strip(u):
     """A plate's equation by collocation, 1e-7."""
-    assert float(distorting(jnp.array(u**4))) == approx(by_plate(u), rel=1e-7)
+    assert float(relaxing_and_distorting(jnp.array(u**4))[1]) == approx(by_plate(u), rel=1e-7)
 
 
-def test_distortion_where_series_and_closed_form_meet():
-    """At u = 1 their values and slopes agree; at rest the slope of the series is -1/630."""
-    slope = jax.jit(jax.value_and_grad(distorting))
-    (below, before), (above, after) = slope(1 - 1e-12), slope(1 + 1e-12)
-    assert float(below) == approx(float(above), rel=1e-11)
-    assert float(before) == approx(float(after), rel=1e-10)
-    assert float(slope(0.0)[1]) == approx(-1 / 630, rel=1e-12)
+@pytest.mark.parametrize("v", [0.0, 0.01, 7.0, 29.0, 31.0, 900.0, 1e6])
+def test_functions_of_a_bent_strip_and_their_derivatives(v):
+    """Power series in decimal numbers of 120 digits, their derivatives by differences: round-off."""
+
+    def functions(v):
+        return jnp.stack([curving(v), *relaxing_and_distorting(v)])
+
+    for order, function in enumerate((functions, jax.jacfwd(functions), jax.jacfwd(jax.jacrev(functions)))):
+        np.testing.assert_allclose(jax.jit(function)(v), with_many_digits(v, order), rtol=1e-12)
+
+
+def with_many_digits(v: float, order: int) -> list[float]:
+    """Derivatives by v = u^4 of the functions of a bent strip, of order 0, 1 or 2."""
+    with decimal.localcontext(prec=120):
+        step = Decimal(10) ** -20
+        rows = [closed_forms(Decimal(v) + k * step) for k in range(-1, 2)]
+        weights = [(0, 1, 0), (-1 / (2 * step), 0, 1 / (2 * step)), (step**-2, -2 * step**-2, step**-2)][order]
+        columns = zip(*rows, strict=True)
+        return [float(sum(w * value for w, value in zip(weights, column, strict=True))) for column in columns]
+
+
+def closed_forms(v: Decimal) -> tuple[Decimal, Decimal, Decimal]:
+    """Curvature across, kept stress of twist and sideways stiffness, by the power series of sinh, sin, cosh and cos."""
+    powers, inverse = (
+        [v**k if k else Decimal(1) for k in range(90)],
+        [1 / Decimal(math.factorial(n)) for n in range(370)],
+    )
+    s, a, b = (sum(power * inverse[4 * k + n] for k, power in enumerate(powers)) for n in (3, 2, 1))
+    relaxed = sum(power * (inverse[4 * k + 5] - 2 * inverse[4 * k + 6]) for k, power in enumerate(powers))
+    return 2 * a / b, 180 * relaxed / b, 3 * s / a
 
 
 def test_a_clamp_holds_the_section_of_all_pieces():
