@@ -1,4 +1,4 @@
-"""Warnings about leaf springs with sharp curvature, straight pieces of a curve, steep edges, or stocky sizes."""
+"""Warnings about leaf springs with sharp curvature, straight pieces of a curve, steep edges, slots, or stocky sizes."""
 
 import itertools
 from typing import Any
@@ -13,7 +13,8 @@ from ..elements.curves import curvature_at
 from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
-from .clamps import FOLD, elements_at, leaf_axes, nodes_of_kind, span_of
+from ..numerical_limits import SAME_SIZE
+from .clamps import FOLD, THICK, elements_at, leaf_axes, nodes_of_kind, span_of
 from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
@@ -29,7 +30,7 @@ SHARE = 0.01
 
 
 def warn_of_curved_leaves(builder: Description) -> None:
-    """Warn of sharp curvature, steep edges and stocky leaf springs, and of straight pieces that approximate a curve.
+    """Warn of sharp curvature, steep edges, slots and stocky leaf springs, and of straight pieces that make a curve.
 
     Source:
         Winkler's curved bars of rectangular section: the inner stress is higher by the share h/(3 R). Flattening of a
@@ -53,6 +54,45 @@ def warn_of_curved_leaves(builder: Description) -> None:
                         BeamTheoryWarning,
                     )
                     return
+        for first, other in itertools.combinations(leaves, 2):
+            if sides := _sides_of_slot(builder, joined, leaves, (first, other)):
+                narrow, wide = sides
+                warn(
+                    f"Element '{narrow}' continues '{wide}' beside its axis, as the sides of a slot do. flexmb joins"
+                    " them by a rigid line, and the material is not rigid. The mechanism may be 35 % too stiff across"
+                    " and 43 % in torsion. Compare it with solid elements.",
+                    BeamTheoryWarning,
+                )
+                return
+
+
+def _sides_of_slot(
+    builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member], names: tuple[str, str]
+) -> tuple[str, str] | None:
+    """Names of a narrow and a wide leaf spring, if the narrow one continues within the width of the wide one."""
+    narrow, wide = sorted(names, key=lambda name: float(_rectangle(leaves[name]).width))
+    sections = [_rectangle(leaves[name]) for name in (narrow, wide)]
+    (width, thickness), (wide_width, wide_thickness) = ((float(s.width), float(s.thickness)) for s in sections)
+    if builder.dimension == 2 or not 1 / THICK < thickness / wide_thickness < THICK:
+        return None
+    for i, j in itertools.product(range(2), repeat=2):
+        rotations = [nodes_of_kind(leaves[name], "rotation")[k] for name, k in ((narrow, i), (wide, j))]
+        links = [builder.members[name] for name in joined[rotations[0]] if name in joined[rotations[1]]]
+        if rotations[0] == rotations[1] or not any(link.properties.get("section") is None for link in links):
+            continue
+        axes = [leaf_axes(builder, leaves[name], np, k) for name, k in ((narrow, i), (wide, j))]
+        (along, across), (wide_along, wide_across) = axes
+        if abs(along @ wide_along) < np.cos(FOLD) or abs(across @ wide_across) < np.cos(FOLD):
+            continue
+        ends = [nodes_of_kind(leaves[name], "position")[k] for name, k in ((narrow, i), (wide, j))]
+        apart = np.subtract(*(np.asarray(builder.nodes[end].start, float) for end in ends))
+        beside = float(abs(apart @ wide_across))
+        # The narrow leaf spring starts at the end of the wide one, in its plane, and continues away from it.
+        onwards = (along @ wide_along) * (1 - 2 * i) * (2 * j - 1) > 0
+        if onwards and beside + width / 2 <= (1 + SAME_SIZE) * wide_width / 2 and beside > SAME_SIZE * width:
+            if np.linalg.norm(apart - apart @ wide_across * wide_across) < thickness:
+                return narrow, wide
+    return None
 
 
 def _is_leaf(builder: Description, member: Member) -> bool:

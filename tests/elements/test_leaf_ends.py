@@ -658,3 +658,41 @@ def test_a_leaf_spring_too_short_for_its_cuts_has_no_answer_where_it_is_traced()
 def test_a_step_out_of_range_warns(sections, message):
     with pytest.warns(fm.BeamTheoryWarning, match=message):
         in_line(sections)
+
+
+def slotted(block: float = 0.0) -> fm.Builder:
+    """A leaf spring of 100 x 30 mm with a slot of 40 x 10 mm: its ends, and two leaf springs beside the slot.
+
+    Args:
+        block: Distance between the ends and the leaf springs beside the slot [m].
+    """
+    b = fm.Builder()
+    places = {"foot": (0, 0), "start": (0.03, 0), "end": (0.07, 0), "tip": (0.1, 0)}
+    for side, y in (("left", 0.01), ("right", -0.01)):
+        places |= {f"{side} start": (0.03 + block, y), f"{side} end": (0.07 - block, y)}
+    for name, (x, y) in places.items():
+        b.node(name, (x, y, 0))
+    pairs = [("foot", "start"), ("end", "tip"), ("left start", "left end"), ("right start", "right end")]
+    for (p, q), width in zip(pairs, (0.03, 0.03, 0.01, 0.01), strict=True):
+        b.add(spatial.leaf_spring, p, q, name=f"{p} to {q}", section=fm.Rectangle(width, 0.5e-3, STEEL), y=(0, 1, 0))
+    for at in ("start", "end"):
+        for side in ("left", "right"):
+            b.add(spatial.rigid_body, at, f"{side} {at}")
+    b.fix("foot")
+    return b
+
+
+def test_leaf_springs_beside_a_slot_warn():
+    with pytest.warns(fm.BeamTheoryWarning, match="'left start to left end' continues 'foot to start' .* of a slot"):
+        slotted().build()
+    slotted(block=0.002).build()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::flexmb.BeamTheoryWarning")
+def test_the_warning_of_a_slot_names_its_errors():
+    """Solid elements, benchmarks/results/solid.json: held tip along y, and torsion."""
+    stiffness = np.linalg.inv(np.asarray(fm.compliance(slotted().build(), "tip")))
+    across, torsion = stiffness[1, 1], 1 / np.linalg.inv(stiffness)[3, 3]
+    assert across / 992.46e3 == approx(1.35, abs=0.01)
+    assert torsion / 0.92997 == approx(1.43, abs=0.01)
