@@ -1,4 +1,4 @@
-"""How a result presents itself: a summary in words and numbers, and states of its mechanism.
+"""Display of results: a summary in words and numbers, and the states of the mechanism for pictures.
 
 Terminal, notebooks, pictures and the viewer use these two and know no class of results.
 """

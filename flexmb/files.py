@@ -1,4 +1,4 @@
-"""Reading files without waiting and within a limit, writing them whole or not at all, and named arrays in them."""
+"""Files: read up to a largest size, never wait for a pipe, write completely or not at all; files of named arrays."""
 
 import contextlib
 import errno

@@ -1,4 +1,4 @@
-"""The answer of each mode, and of questions beside it, as plain numbers: what the command line prints and saves."""
+"""Answers of a mode and of additional questions as plain numbers, for the terminal and files of the command line."""
 
 import dataclasses
 import functools

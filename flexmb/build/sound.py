@@ -1,4 +1,4 @@
-"""Checks of sections and elements on the numbers of a whole model, block by block; NaN for traced ones that fail."""
+"""Checks of the numbers of all sections and elements of a model. Traced numbers that fail a check become NaN."""
 
 import dataclasses
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""Rotations in space that are FIXED about two global axes: flexmb fixes the tilts of the hinge about the third axis."""
+"""Rotations in space that are FIXED about two global axes: the tilts of the hinge about the third axis become FIXED."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to release where a mechanism is over-constrained: elastic deformations, else joints and single supports."""
+"""Releases that remove over-constraints: of elastic deformations, otherwise of joints and single supports."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple

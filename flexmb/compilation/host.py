@@ -1,4 +1,4 @@
-"""Calls of the host by compiled code that can be kept on disk.
+"""Calls from compiled code to the host. Compiled code with such calls can be stored on disk.
 
 ``jax.pure_callback`` does the same, but a program with one is compiled anew in every process, and a call takes 130 us
 instead of 11 us. Here the host is a handler of XLA's foreign function interface with a fixed name. The program contains

@@ -1,4 +1,4 @@
-"""Traced programs on disk, for functions made of plain values and this package's own functions.
+"""Traced programs on disk, for functions that contain only plain values and functions of this package.
 
 JAX keeps compiled code on disk, and finds it by the traced program. Tracing takes most of the time of a command whose
 code is compiled already. A file of this module therefore stores a traced program. Its name is a digest of everything

@@ -1,4 +1,4 @@
-"""Programs of traced functions: split by the varying arguments, compared by operations, with numbers as arguments."""
+"""Programs of traced functions: divided into stages, compared by their operations, with their numbers as arguments."""
 
 from __future__ import annotations
 

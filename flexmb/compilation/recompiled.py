@@ -1,4 +1,4 @@
-"""Notice of a function that is compiled for the third time in a process: what differs from the time before.
+"""Log message when a function is compiled for the third time in a process: the difference from the second time.
 
 A notice is a line of the log "flexmb" at level INFO, since several models in one process are usual:
 ``logging.basicConfig(level="INFO")`` shows it.

@@ -1,4 +1,4 @@
-"""The deviation of a model from another one, in the numbers of designers."""
+"""Difference of two models: natural frequencies, stiffness and frequency responses."""
 
 import dataclasses
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""The identity of functions and models, equal from process to process, as far as it can be seen."""
+"""Digest of functions and models, equal in every process. Parts that Python cannot read are not included."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""The state of an analysis: the equilibrium of a model or a given state, in degrees of freedom or by elements."""
+"""The state of an analysis: an equilibrium or a given state, in the degrees of freedom or element by element."""
 
 import dataclasses
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""Element matrices with row and column indices: their products with vectors, their sparse sum, and its factors."""
+"""Element matrices with row and column indices: products with vectors, the assembled sparse matrix, and its factors."""
 
 import hashlib
 from collections import OrderedDict

@@ -1,4 +1,4 @@
-"""Writing and adding at index arrays, fast because no index is negative; by NumPy for NumPy's arrays."""
+"""Writing and adding at index arrays without negative indices, which is faster; NumPy's arrays use NumPy."""
 
 from typing import Any
 

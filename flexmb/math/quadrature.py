@@ -1,4 +1,4 @@
-"""Legendre polynomials on [0, 1], their integrals, and quadrature nodes: NumPy constants, except ``.._at``."""
+"""Legendre polynomials on [0, 1], integrals, quadrature nodes; in NumPy, functions ``.._at`` in JAX."""
 
 import functools
 

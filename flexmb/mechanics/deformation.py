@@ -1,4 +1,4 @@
-"""Deformations e = D(x) of all elements, their Jacobian and curvature, and the transfer functions DF."""
+"""Deformations e = D(x) of all elements, their first and second derivatives, and the transfer functions DF."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""Functions of an element with inner coordinates in two stages, and their derivatives by the chain rule."""
+"""Element functions in two stages: first the inner coordinates, then all; derivatives by the chain rule."""
 
 import itertools
 from collections.abc import Callable, Sequence

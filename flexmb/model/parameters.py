@@ -1,4 +1,4 @@
-"""Numbers of a mechanism that one might differentiate, as the engineer states them."""
+"""Parameters of a mechanism: its numbers as the user states them; differentiable."""
 
 from typing import Any
 

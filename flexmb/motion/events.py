@@ -1,4 +1,4 @@
-"""Events that end a motion: their conditions, and steps that would pass over one unseen."""
+"""Events that end a motion: their conditions, and the search for events that begin and end within a step."""
 
 from __future__ import annotations
 

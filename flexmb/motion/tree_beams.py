@@ -1,4 +1,4 @@
-"""Motion of beams with computed last ends. Functions of the coefficients alone are evaluated once."""
+"""Motion of beams whose last ends follow from their first ends and strains; shared functions are computed once."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

@@ -1,4 +1,4 @@
-"""The walk of large mechanisms: steps in all coordinates and one multiplier per constraint, by sparse factors."""
+"""Continuation for large mechanisms: steps in all coordinates and one multiplier per constraint, by sparse factors."""
 
 import functools
 from typing import Any

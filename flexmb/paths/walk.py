@@ -1,4 +1,4 @@
-"""The walk along an equilibrium path: its steps, and the critical points on them."""
+"""Continuation along an equilibrium path: its steps, and the critical points within steps."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple, Protocol

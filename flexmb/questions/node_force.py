@@ -1,4 +1,4 @@
-"""Forces and moments at a node: "force top.x" that holds it there, "moment top.phi", "reaction foot.x"."""
+"""Forces and moments at a node: "force top.x" and "moment top.phi" that hold the node, "reaction foot.x"."""
 
 from .question import Question, by_component, component_answer
 

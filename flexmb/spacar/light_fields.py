@@ -1,4 +1,4 @@
-"""The fields of SPACAR Light in one table (form, bounds, choices, default), and a script as it is read."""
+"""Table of the fields of SPACAR Light (form, bounds, choices, default), and reader of the structures of a script."""
 
 import dataclasses
 import difflib

@@ -1,4 +1,4 @@
-"""The results of a SPACAR Light run under their names there, from the linearisation at every load step."""
+"""The results of a SPACAR Light run, with the names of SPACAR Light, from the linearisation at every load step."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

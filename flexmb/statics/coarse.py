@@ -1,4 +1,4 @@
-"""Warnings about deformations: too large for accurate results, or more than the position of the mechanism needs."""
+"""Warnings about deformations that are too large for accurate results or not necessary for the mechanism's position."""
 
 from typing import Any
 

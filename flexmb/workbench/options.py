@@ -1,4 +1,4 @@
-"""Options of analyses: fields of the page, what a document lacks, and the checked numbers and words."""
+"""Options of analyses: fields of the page, missing parts of a document, and checks of the numbers and words."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The edits of a session, undone and redone without limit, and written to a journal against a killed process."""
+"""Undo and redo of all edits of a session, and a journal from which a killed session is restored."""
 
 from __future__ import annotations
 

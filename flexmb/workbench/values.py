@@ -1,4 +1,4 @@
-"""Values, sums and signs of the texts of numbers, and the structure on which a compiled function of them depends."""
+"""Numbers of a document as text: values, sums, signs; and the key of the compiled function of these numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Targets from texts with units, checked, and numbers written like the text before."""
+"""Targets: reader of texts with units, checks, and new numbers in the notation of the old text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sensitivities of an answer by every number and every free name of the document."""
+"""Sensitivities of an answer to every number and every free name of the document."""
 
 import dataclasses
 import logging
