@@ -57,10 +57,10 @@ STRAINED = ("deformation", "deformation rate", "deformation acceleration", "stre
 class Builder(Description):
     """Describe a mechanism by named nodes and elements.
 
-    A node has a position; its rotation, named "name.rotation", exists once an element needs it. JAX may trace all
-    numbers (``jax.grad``, ``jax.vmap``). flexmb checks values unless they are traced. Repeated forces, moments, masses
-    and bodies add up. For prescribed motions, gravity, prestress, strains, temperatures and start values, the last
-    value replaces the earlier ones.
+    A node has a position. If an element needs the rotation of a node, flexmb adds it and names it "name.rotation". JAX
+    may trace all numbers (``jax.grad``, ``jax.vmap``). flexmb checks values unless they are traced. Repeated forces,
+    moments, masses and bodies add up. For prescribed motions, gravity, prestress, strains, temperatures and start
+    values, the last value replaces the earlier values.
 
     Example:
         >>> b = Builder()
@@ -107,7 +107,7 @@ class Builder(Description):
 
     @records_call
     def rotation(self, name: str, start: Sequence[float] | None = None) -> str:
-        """Add a separate rotation, for a second body that is hinged to a node whose rotation belongs to another body.
+        """Add a separate rotation for a second body at a node, which is hinged to the body of that node.
 
         Args:
             name: Its name.
@@ -172,8 +172,8 @@ class Builder(Description):
 
         Raises:
             ModelError: A node is unknown, the number of nodes is wrong, a property is missing, unknown or of the wrong
-                kind, a deformation is out of range, a length is zero, a y vector is parallel, or functions do not fit
-                together.
+                kind, a deformation has no such name or number, a length is zero, a y vector is parallel to its element,
+                or the functions of an element type do not fit together.
         """
         element = element_type(element)
         name = self._free_name(element.name) if name is None else name_text("An element", name)
@@ -212,8 +212,8 @@ class Builder(Description):
         Args:
             node: Name of the node.
             components: Names ("x", "phi") or numbers from 1; "position" or "rotation" for all coordinates of that part;
-                in space "rx", "ry" or "rz", the angle about this global axis (see :meth:`prescribe`). None: the whole
-                node, also a rotation that a later element adds.
+                in space "rx", "ry" or "rz", the angle about this global axis (see :meth:`prescribe`). Without
+                components: the whole node, and its rotation if a later element adds one.
         """
         node, word = str(node), components[0] if len(components) == 1 else None
         if components and not (isinstance(word, str) and word in ("position", "rotation")):
@@ -594,9 +594,10 @@ class Builder(Description):
             component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
                 space "rx", "ry" or "rz", a moment about this global axis at every state, or a motion about it.
             quantity: By default "force" on a coordinate, "moment" on a rotation in space, or "stress" in a deformation
-                that can change. A "stress" is a stress resultant of the element. A positive one acts against its
-                deformation, as in a stretched spring. "displacement", "velocity" or "acceleration" of a FIXED or
-                PRESCRIBED coordinate or deformation, or of a rotation that is fixed as a whole.
+                that can change. A "stress" is a stress resultant of the element. A positive stress resultant acts
+                against its deformation, as in a stretched spring. For the motion of a support: "displacement",
+                "velocity" or "acceleration" of a FIXED or PRESCRIBED coordinate or deformation, or of a rotation that
+                is FIXED as a whole.
             name: Its label; by default built from the other arguments.
             kind: "node" or "element", if both have the name.
             local: For a rotation in space: use the axis that turns with the node. It equals the global axis where the
@@ -628,8 +629,8 @@ class Builder(Description):
                 space "rx", "ry" or "rz" about this global axis: the rotation, angular velocity, angular acceleration or
                 moment of a support. In linearised equations, a rotation is infinitesimal and counts from the state of
                 linearisation. In a simulation, it is a component of the sum of two rotation vectors: from the
-                undeformed mechanism to the start, and from the start to the present state. It jumps at a full turn; the
-                angle of a hinge does not.
+                undeformed mechanism to the start, and from the start to the present state. This component jumps at a
+                full turn; the angle of a hinge does not.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation. "reaction" is the force or
                 moment of the support on a FIXED or PRESCRIBED coordinate. "deformation", "deformation rate",
                 "deformation acceleration" or "stress" of a deformation; the stress of a FIXED deformation is the
