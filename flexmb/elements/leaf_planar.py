@@ -146,11 +146,11 @@ element, a hinge, a body or a part at least three times as thick.
 Deformations: as of ``planar.spectral_beam``.
 Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; clamped, whether the first end
 and the last are clamped, such as (True, False), instead of the ends that flexmb finds; curvature, as of
-``planar.spectral_beam``; clamp (stiffnesses of elastic roots along, to the left and of the angle [N/m, N m/rad]: three
-for both ends, or a pair of three, None for a rigid end).
-Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
-high with 5 and within 0.5 % with 6; shear, whether shear deformation is counted, default False. If shear would change a
-stiffness by more than 1 %, flexmb warns.
+``planar.spectral_beam``; clamp (stiffnesses of elastic roots: along the leaf spring, across it to the left, and of the
+angle [N/m, N m/rad]; three numbers for both ends, or a pair of three numbers, None for a rigid end).
+Options: order, the number of coefficients of each strain, default 6; shear, whether shear deformation is counted,
+default False. The third bending frequency of a cantilever is 2 % too high with order 5, and within 0.5 % with order 6.
+If shear would change a stiffness by more than 1 %, flexmb warns.
 
 The stress includes the stress across the width near clamps and the flattening of the middle; see :mod:`.leaf_stress`.
 

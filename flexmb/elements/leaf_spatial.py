@@ -164,11 +164,11 @@ leaf_spring = Element(
 )
 """A leaf spring that agrees with a solid model, one element for its whole length.
 
-In addition to a spectral beam it counts shear, and warping that clamps restrain and neighbours share. Near clamps it
-bends and stretches as a plate. Its middle flattens as its curvature grows, and twist causes tension in its edges.
-flexmb finds the clamped ends when it builds the model. An end is clamped if its rotation is held, and where it joins a
-rigid element, a hinge, a body or a part at least three times as thick. At a fold the section stays flat, and the legs
-share the warping.
+In addition to a spectral beam it models shear and warping. Clamps restrain the warping, and neighbours share it. Near
+clamps it bends and stretches as a plate. Its middle flattens as its curvature grows, and twist causes tension in its
+edges. flexmb finds the clamped ends when it builds the model. An end is clamped if its rotation is held, and where it
+joins a rigid element, a hinge, a body or a part at least three times as thick. At a fold the section stays flat, and
+the legs share the warping.
 
 Deformations: 1 to 6 the closure at q, FIXED; 7 and 8 the twist rates of both ends times length [rad], from the warping
 coordinates of the nodes; then ``order`` coefficients of each strain, times length, as of ``spatial.spectral_beam`` with
@@ -176,14 +176,16 @@ shear.
 Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; y (vector that fixes local y,
 along the width); clamped, whether the first end and the last are clamped, such as (True, False), instead of the ends
 that flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight
-cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic
-roots along and about local x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
-Options: order, the number of coefficients of each strain, default 6: the third bending frequency of a cantilever is 2 %
-high with 5 and within 0.5 % with 6.
+cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic roots along and about local
+x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
+Options: order, the number of coefficients of each strain, default 6. The third bending frequency of a cantilever is 2 %
+too high with order 5, and within 0.5 % with order 6.
+
 The stress includes the bimoment of restrained warping, the stress across the width near clamps, and the effects of
 flattening and of edge tension; see :mod:`.leaf_stress`. Beyond a tenth of the width from a clamp it is within about 5 %
 of solid elements. Nearer to a clamp, solid elements have a singularity at the edges, which the stress does not include.
-The stress does not include the stress across the width at a clamp that stays cold while the leaf spring warms up.
+If a leaf spring warms up and its clamp stays cold, the stress does not include the thermal stress across the width at
+this clamp.
 
 Source: THEORY.md 2, eq. (2.22) to (2.30), (2.42), (2.47) to (2.52) and (2.55) to (2.59), (2.65) to (2.67).
 """

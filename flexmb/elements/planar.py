@@ -193,7 +193,7 @@ rigid_beam = Element(
     _rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
 )
 """Point q rigidly attached to the body at p: e1, e2 displacement of q from its place on the body, in body axes [m],
-FIXED. The rotation at q is free, so that parts joined at q are hinged. ``planar.rigid_body`` is clamped at both ends.
+FIXED. The rotation at q is free: q is a hinge. ``planar.rigid_body`` is clamped at both ends.
 
 Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
 material).
@@ -201,7 +201,7 @@ material).
 
 
 pin_body = rigid_beam
-"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may lie in one place."""
+"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may be at the same point."""
 
 
 def _hinge(rot_p: Angle, rot_q: Angle, *, ref: Reference) -> Float[Array, "1"]:
@@ -343,12 +343,12 @@ def _beam_drag(p: Point2, rot_p: Angle, q: Point2, rot_q: Angle, *, ref: Referen
 
 
 beam_drag = Element(_beam_drag, **beams.drag_laws("xy", by_length=True))
-"""Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
+"""Distributed drag along a beam: force per length -damping times the velocity. Properties: damping [N s/m^2].
 
-Deformations: e1 to e4: displacement of p, and length times change of the axis there [m]; e5 to e8: of q.
+Deformations: e1 to e4: displacement of p, and length times change of the axis there [m]; e5 to e8: the same at q.
 
-The velocity between the ends is a cubic, as in ``planar.beam``, whichever beam lies there. The damping alpha times the
-mass per length is damping in proportion to the mass, alpha M0 of Rayleigh, also for large motions.
+The velocity between the ends is a cubic polynomial, as in ``planar.beam``, for every type of beam. A damping of alpha
+times the mass per length is the mass-proportional damping alpha M0 of Rayleigh, and also applies to large motions.
 """
 
 

@@ -31,16 +31,17 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     """Return the damping rigidities of a leaf spring for a damping ratio at one frequency.
 
     With ``frequency``, vibrations of this frequency have the ratio: damping is stiffness times ratio/(pi frequency).
-    Without ``frequency``, each stiffness k vibrates with the whole mass m of the spring, as in the tutorial: d = 2
-    ratio sqrt(k m). The length converts d to a rigidity. In bending, k and m have the frequency
-    sqrt(EI/(m L^3))/(2 pi).
+    Without ``frequency``, each stiffness k = rigidity/L or rigidity/L^3 has the damping d = 2 ratio sqrt(k m) with the
+    whole mass m of the spring, as in the tutorial. The damping rigidity is d L or d L^3. In bending, the ratio then
+    belongs to the frequency sqrt(EI/(m L^3))/(2 pi).
 
-    The damping ratio of a mode is ``ratio`` times the mode's frequency over this frequency. Example: for a ratio of
-    0.01, a guide of 10.8 Hz on leaf springs of 11.9 Hz has the damping ratio 0.0091. :func:`flexmb.damped` damps all
-    modes by chosen ratios.
+    A mode of the mechanism has the damping ratio ``ratio`` times its frequency over this frequency. Example: for a
+    ratio of 0.01, a guide of 10.8 Hz on leaf springs of 11.9 Hz has the damping ratio 0.0091. :func:`flexmb.damped`
+    damps all modes by chosen ratios.
 
     For a leaf spring of several beams, give the length of the whole leaf spring. A ``leaf_spring`` is stiffer near its
-    clamps than its section, so its ratio is smaller. ``Material(damping=ratio/(pi * frequency))`` includes these parts.
+    clamps than its section, and these additional stiffnesses have no damping. The ratio of its modes is therefore
+    smaller. ``Material(damping=ratio/(pi * frequency))`` damps the additional stiffnesses too.
 
     Args:
         section: Cross-section with mass.

@@ -362,7 +362,7 @@ material), y (vector that fixes local y, for a temperature gradient).
 
 
 pin_body = rigid_beam
-"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may lie in one place."""
+"""Another name of ``rigid_beam``, after PINBODY of SPACAR. Its two ends may be at the same point."""
 
 
 def _rigid_body(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref: Reference) -> Float[Array, "6"]:
@@ -462,13 +462,13 @@ def _beam_drag(p: Point3, rot_p: Rotation3, q: Point3, rot_q: Rotation3, *, ref:
 
 
 beam_drag = Element(_beam_drag, **beams.drag_laws("xyz", by_length=True))
-"""Drag by length between the ends of a beam: -damping times the velocity by length. Properties: damping [N s/m^2].
+"""Distributed drag along a beam: force per length -damping times the velocity. Properties: damping [N s/m^2].
 
-Deformations: e1 to e6: displacement of p, and length times change of the axis there [m]; e7 to e12: of q.
+Deformations: e1 to e6: displacement of p, and length times change of the axis there [m]; e7 to e12: the same at q.
 
-The velocity between the ends is a cubic, as in ``spatial.beam``, whichever beam lies there; the rotation of the beam
-about its axis has no drag. The damping alpha times the mass per length is damping in proportion to the mass, alpha M0
-of Rayleigh, also for large motions.
+The velocity between the ends is a cubic polynomial, as in ``spatial.beam``, for every type of beam. The rotation of the
+beam about its axis has no drag. A damping of alpha times the mass per length is the mass-proportional damping alpha M0
+of Rayleigh, and also applies to large motions.
 """
 
 

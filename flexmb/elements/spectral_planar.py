@@ -326,16 +326,18 @@ spectral_beam = Element(
 """Geometrically exact beam; one element models a whole leaf spring in beam theory.
 
 Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p [m] and the angle [rad]; then ``order``
-coefficients of each strain, times length: elongation [m], curvature [rad], the first of which is the angle between the
-ends, and with ``shear`` the shear [m]. Stress resultants of the closure are the force and moment at q.
+coefficients of each strain, times length: elongation [m], curvature [rad], and with ``shear`` the shear [m]. The first
+coefficient of the curvature is the angle between the ends. Stress resultants of the closure are the force and moment at
+q.
 Properties: section (EA, EIy, mass, Jy; it may vary, see :class:`flexmb.sections.Profile`), damping, curvature (initial
 [1/m], positive counter-clockwise: a number for an arc from p to q, a function of the place, or
 :func:`flexmb.sections.curvature_through`).
-Options: order, the number of coefficients of each strain, default 5; order 2 bends like a cubic beam, order 5 computes
-a leaf spring at a large stroke to six digits; shear, whether shear deformation is counted, default False. With shear
-the section must have a shear compliance.
-It neglects the plate behaviour near clamps and the flattening of wide strips; use ``planar.leaf_spring`` for them. If
-shear would change a stiffness by more than 1 %, flexmb warns.
+Options: order, the number of coefficients of each strain, default 5; shear, whether shear deformation is counted,
+default False. Order 2 bends like a cubic beam. Order 5 computes a leaf spring at a large stroke to six digits. With
+shear the section must have a shear compliance.
+
+The beam neglects the plate behaviour near clamps and the flattening of wide strips; use ``planar.leaf_spring`` for
+them. If shear would change a stiffness by more than 1 %, flexmb warns.
 
 Source: strains of the extensible elastica; theta(s) = integral of the curvature, r' = (1 + eps) t + gamma n with
 t = (cos theta, sin theta), n normal to it (Reissner).

@@ -319,7 +319,8 @@ z) in local axes for an arc from p to q, a function of the place that returns tw
 :func:`flexmb.sections.curvature_through`).
 Options: order, the number of coefficients of each strain, default 5; shear, whether shear deformation is counted,
 default False. With shear the section must have a shear compliance.
-It neglects restrained warping, the plate behaviour near clamps and the flattening of wide strips; use
+
+The beam neglects restrained warping, the plate behaviour near clamps and the flattening of wide strips; use
 ``spatial.leaf_spring`` for them. If shear or warping would change a stiffness by more than 1 %, flexmb warns.
 
 Source: strains of Simo (1985) and Reissner: r' = R (1 + eps, gamma_y, gamma_z), R' = R hat(kappa); poses by the

@@ -152,8 +152,8 @@ belt = Element(
 belt [rad], measured. The stiffness EA/L and the damping EdA/L follow the free length L, which changes as the pulleys
 turn.
 
-Properties: radius_p and radius_q (positive if the belt passes the centre on the left on the way from p to q, negative
-on the right), section (EA), damping (EA). Without a section the belt does not stretch.
+Properties: radius_p and radius_q (positive if the belt, on its way from p to q, passes to the left of the centre,
+negative if to the right), section (EA), damping (EA). Without a section the belt does not stretch.
 """
 
 
