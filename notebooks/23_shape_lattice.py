@@ -95,7 +95,7 @@ print(f"of equal thickness the edge misses by {1e3 * np.sqrt(square_at_start):.1
 # ## The derivative by a thousand thicknesses
 #
 # `jax.grad` finds all derivatives by one more solution with the last factors of the equilibrium, for any number of
-# thicknesses ([timing](../benchmarks/README.md#designs-of-large-mechanisms)). Along any one direction a difference quotient
+# thicknesses ([timing](../benchmarks/README.md#designs-of-many-beams)). Along any one direction a difference quotient
 # must agree.
 
 # %%

@@ -28,8 +28,8 @@ def parallel_guide(
 ) -> str:
     """Two parallel leaf springs: the stage moves across them.
 
-    Drive stiffness 24 EI/length^3 by beam theory, with EI of one leaf spring; stiffness along the leaf springs
-    2 EA/length. The stage sinks by 3/5 of the square of its stroke over the length.
+    By beam theory, the drive stiffness is 24 EI/length^3 and the stiffness along the leaf springs is 2 EA/length, with
+    EI and EA of one leaf spring. At a stroke d the stage sinks by 3/5 d^2/length.
 
         stage ___________
                |       |
@@ -86,7 +86,7 @@ def double_parallel_guide(
     y: Vector | None = None,
     element: Any = None,
 ) -> str:
-    """Folded guide: a parallel guide that hangs in another one, so that the stage moves on a straighter line.
+    """Folded guide: a parallel guide that hangs in another parallel guide. The stage moves on a straighter line.
 
     Drive stiffness 12 EI/length^3 by beam theory: two parallel guides in series. One guide sinks as far as the other
     rises. Only the leaf springs hold the middle body along the line of motion.

@@ -275,7 +275,8 @@ def mobility(model: Model) -> Mobility:
         model: Mechanism, checked or not (``Builder.build(check=False)``).
 
     Returns:
-        Mobility: numbers, self-stresses (n_e, over) and motions (n_x, under), the largest entry of each 1 [SI].
+        Mobility: the numbers of over- and under-constraints, self-stresses (n_e, over), and motions (n_x, under) [SI].
+            The largest entry of each self-stress and motion is 1.
 
     Raises:
         TypeError: Numbers of the model are traced, as under ``jax.jit``.

@@ -235,7 +235,7 @@ def frequency_response(
 
     The response includes the damping of the elements or of :func:`flexmb.damped`, and structural damping. Only a
     response by frequency can include structural damping exactly. Motions without mass follow the inputs directly, with
-    their damping. About a state of motion, the response is of the equations with the matrices of this one state.
+    their damping. About a state of motion, flexmb keeps the matrices of this state constant.
 
     Args:
         model: Mechanism, or its linearisation; differentiable in its parameters, also for repeated frequencies.
@@ -250,8 +250,8 @@ def frequency_response(
             "direct" without real modes (unsymmetric stiffness, state of motion, sparse matrices), otherwise "modes".
         sparse: Solve with sparse matrices at each frequency, in all coordinates of a model that needs no degrees of
             freedom; see :func:`flexmb.equilibrium`. By default chosen by size.
-        solver: "sparse" or "dense" for the same; a LinearSolver computes the static solution, and sparse factors
-            compute the complex solutions.
+        solver: "sparse" or "dense" matrices, in place of ``sparse``. Or a LinearSolver: it computes the static
+            solution, and sparse factors compute the complex solutions.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:

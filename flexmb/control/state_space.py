@@ -231,9 +231,9 @@ def state_matrices(
             and rates. The other modes follow the inputs statically; they also follow an acceleration of a constrained
             coordinate by their inertia. Responses of positions, deformations, stresses and reactions are exact at rest
             and almost exact in the band. Velocities and accelerations of the other modes would need rates of the inputs
-            and are left out. Such outputs are therefore wrong by the share of the other modes in the static
-            flexibility. Damping of the other modes does not act on kept modes. Differentiable if the frequencies of
-            kept modes differ from all others.
+            and are left out. Velocity and acceleration outputs are therefore wrong by the share of the other modes in
+            the static flexibility. Damping of the other modes does not act on kept modes. Differentiable if the
+            frequencies of kept modes differ from all others.
         bandwidth: Keep all modes up to this frequency [Hz]; not under a trace.
         sparse: Compute modes with sparse matrices in all coordinates, for a model that needs no degrees of freedom; see
             :func:`flexmb.equilibrium`. By default chosen by size, if ``modes`` or ``bandwidth`` is given.

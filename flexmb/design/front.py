@@ -8,10 +8,10 @@ BLOCK = 512
 
 
 def nondominated(costs: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
-    """Designs that no other one dominates; one dominates if it is no worse in all costs and better in one.
+    """Designs that no other design dominates: that is, none is as good in all costs and better in one cost.
 
-    In the order of the costs only earlier designs can dominate, and a design that any design dominates is dominated by
-    one of the front so far. So n times the size of the front pairs are compared. Equal designs all stay.
+    Sorted by the costs, a design can be dominated only by earlier designs. If it is dominated, a design of the front so
+    far dominates it. The number of compared pairs is therefore n times the size of the front. Equal designs all stay.
     """
     different, places = np.unique(costs, axis=0, return_inverse=True)
     front = different[:0]

@@ -181,8 +181,8 @@ def lean(
         Lean. Its ``model`` is an ordinary model with new deformations named "tie".
 
     Raises:
-        ModelError: bandwidth or tolerance is not positive. A node does not exist. increments are no finite numbers.
-            finest is below two. The function has no arguments. A deviation is not positive.
+        ModelError: bandwidth or tolerance is not positive. A node does not exist. increments are not finite. finest is
+            below two. The function has no arguments. A deviation is not positive.
         KeyError: There is no such question.
         AnalysisError: An equilibrium fails or is unstable, or no smaller model meets the tolerance.
 

@@ -45,17 +45,17 @@ def verdict(
     count: Count = 3,
     progress: Callable[[int, int], None] | bool | None = None,
 ) -> Verdict:
-    """Properties of a mechanism over its stroke, its first limit, and the dimensions that move this limit.
+    """Assess a mechanism over its stroke: its properties, its first limit, and the dimensions that move this limit.
 
     A drive prescribes the coordinate at each stroke, under the constant loads. For frequencies and buckling, the drive
     is replaced by its force, so that the coordinate is free.
 
     Args:
         model: Mechanism; or a function of ``dimensions`` that returns a mechanism.
-        stroke: Stroke to both sides, or its two ends about zero, [m or rad]; with the name of the driven coordinate if
-            the model does not determine it: {"top.x": 5e-3}, or in space {"top.rx": 0.1} for the angle about a global
-            axis. No name is needed for a coordinate that is prescribed with an increment, or if the model has only one
-            input or only one degree of freedom.
+        stroke: Largest stroke to both sides, or its two ends, which enclose zero, [m or rad]. Give it with the name of
+            the driven coordinate if the model does not determine this coordinate: {"top.x": 5e-3}, or in space
+            {"top.rx": 0.1} for the angle about a global axis. No name is needed for a coordinate that is prescribed
+            with an increment, or if the model has only one input or only one degree of freedom.
         dimensions: Numbers by name, as for ``flexmb.sensitivities`` [SI].
         limits: Limits by the name of a curve, in its unit. A number is the least value of "frequency 1", "stiffness y"
             and "buckling", and the largest size of any other curve. Or (lower, upper), with None for no limit. Default

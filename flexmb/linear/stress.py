@@ -537,10 +537,10 @@ def section_resultants(
 ) -> SectionResultants:
     """Return normal and shear forces, torque and bending moments along every flexible element with a section.
 
-    The equilibrium with the forces at the ends of an element determines them exactly, for a spectral beam at all
-    places. Along a cubic beam they are linear, plus the effect of the weight along its straight chord. The inertia of a
-    moving beam acts like a weight; its rotary inertia acts on its ends. A truss has a normal force only: half of each
-    transverse load acts on each end.
+    They are in equilibrium with the forces at the ends of the element: exactly at all places of a spectral beam. Along
+    a cubic beam they are linear, plus the effect of the weight along its straight chord. The inertia of a moving beam
+    acts like a weight; its rotary inertia acts on its ends. A truss has a normal force only: half of each transverse
+    load acts on each end.
 
     Args:
         model: Mechanism; differentiable in ``model.parameters``.

@@ -30,7 +30,8 @@ class Integrator(Record):
         form: Coordinates of the equations:
 
             - "coordinates": all nodal coordinates with a multiplier for each constraint, projected onto the constraints
-              after each step. It needs no degrees of freedom, whose choice may fail on the way.
+              after each step. This form needs no degrees of freedom. A choice of degrees of freedom may fail during the
+              motion.
             - "tree": the same, but flexmb computes the last ends of spectral beams that close no loop from their first
               ends and strains. Not with a controller, an event or ``EnergyKeeping()``.
             - "reduced": the degrees of freedom. Each evaluation solves for the other coordinates. This form has fewer

@@ -134,8 +134,8 @@ def simulate(
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
             flexmb chose; strain or imperfection stresses the start; a controller acts on a mechanism of 60 coordinates
             or more.
-        FlexmbWarning: Without work by loads, dampers, controllers or prescribed motions, the energy changes by more
-            than 100 ``rtol`` and 1e-8 of the greatest kinetic plus elastic energy (``Motion.energy_error``).
+        FlexmbWarning: The energy changes without work by loads, dampers, controllers or prescribed motions. The change
+            over the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
         CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:

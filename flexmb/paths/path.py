@@ -234,8 +234,8 @@ def path(
         imperfection: Imperfection of the undeformed mechanism, free of stress: the largest displacement [m] of each
             buckling mode, by its number from 1, such as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about
             the first state of the path, for the increasing loads. A positive imperfection increases the coordinate with
-            the largest displacement. A motion of ``path.model`` starts in this shape, and its start values count from
-            it; with sparse matrices and without start values, use ``initial``.
+            the largest displacement. A motion of ``path.model`` starts in this shape, and start values count from this
+            shape. After a path by sparse matrices without start values, give the start of the motion as ``initial``.
         progress: True for a progress bar, or a function of the number of states and the load factor, called before each
             step. A keyboard interruption then ends the path with the states found so far and ``result`` stopped.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.

@@ -78,9 +78,9 @@ def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: fl
 
 
 def factor_of(model: Model, x: np.ndarray, shape: np.ndarray, amplitude: float = AMPLITUDE) -> float:
-    """What a shape is multiplied by so that the largest displacement of a drawn point is a share of the extent.
+    """Factor of a mode shape with which the largest displacement of a drawn point is ``amplitude`` times the extent.
 
-    Where the sections turn by more than a radian beside that, as in torsion, it is less.
+    The factor is smaller if sections would turn by more than a radian, as in torsion.
     """
     size = np.max(np.abs(shape), initial=0.0) or 1.0
     states = (x, x + STEP / size * shape)

@@ -169,7 +169,7 @@ def inverse_dynamics(
             an output. A law is a twice differentiable function of time, such as :func:`flexmb.trajectory.quintic`.
             Results are differentiable in its numbers.
         times: Ascending times of the results, (n_t,) [s]. Between two times flexmb moves the wanted quantities on a
-            straight line. It does not see a closed curve between two times.
+            straight line. If a quantity leaves its value and returns to it between two times, flexmb does not notice.
         driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, as many as laws.
             None: the degrees of freedom without stiffness, or all, if the number fits.
         inputs: Names of the driving inputs, one for each driven degree of freedom; other inputs are zero. None: all
