@@ -108,7 +108,7 @@ class Sweep(Labelled):
                 answers.
 
         Source:
-            Definition: a design is left out if another one is no worse in all criteria and better in one.
+            Definition: a design is left out if another design is no worse in all criteria and better in one criterion.
         """
         senses = {"minimize": minimize, "maximize": maximize}
         pairs = [(n, sense) for sense, names in senses.items() for n in ([names] if isinstance(names, str) else names)]

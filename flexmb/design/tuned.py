@@ -73,7 +73,7 @@ class Tuned(Result):
         return len(self.history["objective"])
 
     def summary(self) -> Summary:
-        """Return dimensions, and answers beside those at the start."""
+        """Return dimensions, and answers beside the answers at the start."""
         rows = self._chosen() | {name: _text(value) for name, value in self.dimensions.items()}
         rows |= {n: f"{_text(value)} (start {_text(self.start[n])})" for n, value in self.answers.items()}
         title = f"Tuned, {self.result.name}: {self.reason} ({self.evaluations} evaluations)"

@@ -72,9 +72,10 @@ class Perturbation(Result, Record):
     def motion(self) -> Motion:
         """Return the nominal motion plus vibrations, as a Motion.
 
-        The degrees of freedom are the sum of both; the constraints determine all other coordinates. If the degrees of
-        freedom are deformations, this includes geometric effects of second order, such as the shortening of a bent leaf
-        spring. Accelerations, stresses and forces follow from the equations of motion in these states.
+        The degrees of freedom are the sum of nominal motion and vibrations. The constraints determine all other
+        coordinates. If the degrees of freedom are deformations, this includes geometric effects of second order, such
+        as the shortening of a bent leaf spring. Accelerations, stresses and forces follow from the equations of motion
+        in these states.
 
         Returns:
             Motion.
@@ -245,7 +246,7 @@ def perturbation(
         substeps: Time steps between two times; None: as many as ``rtol`` needs, or 4 under a trace.
 
     Returns:
-        Perturbation, whose ``motion()`` is the sum of both.
+        Perturbation. Its ``motion()`` is the sum of nominal motion and vibrations.
 
     Raises:
         TypeError: The argument is neither a Nominal nor a Motion.
