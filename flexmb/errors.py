@@ -84,11 +84,11 @@ class CoarseWarning(FlexmbWarning):
 
 
 class IdleWarning(FlexmbWarning):
-    """A given stress or strain has no effect, since its deformation is held or has no stiffness."""
+    """A given stress or strain has no effect: its deformation is FIXED, PRESCRIBED or without stiffness."""
 
 
 def warn(text: str, category: type[FlexmbWarning] = FlexmbWarning) -> None:
-    """Warn at the line outside of the package that led here; users may ignore a category."""
+    """Warn, and report the line of the user's code that called the package."""
     listening = _HEARD.get()
     if listening is not None:
         messages, but = listening

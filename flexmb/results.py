@@ -66,7 +66,7 @@ class RESULTS(enum.IntEnum):
     critical_state = (
         8,
         "The equilibrium was found, but at a critical state: the loads reduce the stiffness of a motion to less than a"
-        " ten-thousandth. The derivative does not exist, or holds for no finite change. Lower the load, follow the"
+        " ten-thousandth. The derivative does not exist, or is valid for no finite change. Lower the load, follow the"
         " path, or differentiate limit_load.",
     )
     out_of_reach = (
@@ -92,7 +92,7 @@ class RESULTS(enum.IntEnum):
     )
     stopped = (
         13,
-        "It was stopped from the keyboard; the results up to there are kept.",
+        "The analysis was stopped from the keyboard; the results up to there are kept.",
     )
     closed_path = (
         14,
@@ -132,7 +132,7 @@ class RESULTS(enum.IntEnum):
         20,
         "No mechanism has these dimensions: a size, a modulus or a mass is not positive, an element has no length, a"
         " number is not finite, or the constraints do not fit. Keep them out by the bounds, or build the model from"
-        " these dimensions alone: the error says what is wrong.",
+        " these dimensions alone: the error states the fault.",
     )
     infeasible = (
         21,

@@ -69,7 +69,8 @@ def _prepared(path: Path) -> None:
 def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = True) -> Path:
     """Keep compiled code on disk, so that a new process starts quickly.
 
-    A new process loads programs of this package without tracing them, unless functions or objects of yours take part.
+    A new process loads programs of this package without tracing them. Only programs that contain functions or objects
+    of yours are traced again.
     flexmb does not notice if you replace functions or numbers inside packages: choose another folder then.
 
     Errors that equinox and diffrax check at run time become NaN in the whole process, because code that raises cannot

@@ -119,7 +119,7 @@ def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
     if worst > SHARP:
         warn(
             f"Element '{name}' is curved sharply: at its inner side, bending stress is about {worst / 3:.0%} higher"
-            " than a thin beam has it.",
+            " than by the theory of thin beams.",
             BeamTheoryWarning,
         )
 
@@ -132,8 +132,8 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
     steepest = max(abs(float(section.slanted(place, length)[1])) for place in np.linspace(0.0, 1.0, 9))
     if steepest > SLANT:
         warn(
-            f"The width of element '{name}' changes by up to {steepest:.2f} of the distance along it. Stiffnesses were"
-            f" compared with solid elements up to {SLANT}. Divide the leaf spring, or compare it yourself.",
+            f"The width of element '{name}' has a slope of up to {steepest:.2f} along it. Stiffnesses were compared"
+            f" with solid elements up to a slope of {SLANT}. Divide the leaf spring, or compare it yourself.",
             BeamTheoryWarning,
         )
 

@@ -294,6 +294,6 @@ def _release_all(builder: Description, model: Model) -> tuple[Model, Description
             proposal = alternatives[0]
             builder.release(proposal.of, proposal.component, kind=proposal.kind)
             if proposal.fails:
-                warn(f"release='auto' releases {proposal.words}, and this loses rank near {proposal.fails}.")
+                warn(f"release='auto' releases {proposal.words}. This release loses rank near {proposal.fails}.")
         model = assemble(builder)
     return model, builder

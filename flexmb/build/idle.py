@@ -114,9 +114,9 @@ def _warn_of_other_numbers(builder: Description) -> None:
             if lacking:
                 unused, uses = (", ".join(entry for entry in RESISTING[key] if entry in some) for some in (idle, every))
                 warn(
-                    f"{key.capitalize()} of element '{name}' ({element.name}): nothing {RESISTS[kind]} some of its free"
-                    f" deformations for want of {', '.join(lacking)}, and what is given as {unused} is not used there."
-                    f" The element uses {uses}."
+                    f"{key.capitalize()} of element '{name}' ({element.name}): without {', '.join(lacking)}, nothing"
+                    f" {RESISTS[kind]} some of its free deformations. The element uses {uses}. It does not use"
+                    f" {unused}."
                 )
 
 
@@ -163,16 +163,16 @@ def _warn_of_constrained(
     resisted: Bool[np.ndarray, "n_e"],
     free: tuple[int, ...],
 ) -> None:
-    """Warn if the numbers of an element act on held deformations alone."""
+    """Warn if the numbers of an element act only on constrained deformations."""
     if not np.any(resisted) or np.any(resisted[list(free)]):
         return
     numbers = [str(i + 1) for i in np.flatnonzero(resisted)]
     which = f"deformation{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
-    acts = RESISTS[kind].removesuffix("s") if names[1:] else RESISTS[kind]
+    acts, has = (RESISTS[kind].removesuffix("s"), "have") if names[1:] else (RESISTS[kind], "has")
     warn(
-        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(names)} {acts} {which} alone, held here, so"
-        f" that {'they do' if names[1:] else 'it does'} nothing. Release what is held, or give what {RESISTS[kind]} the"
-        " free deformations.",
+        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(names)} {acts} only {which}, which"
+        f" {'are' if numbers[1:] else 'is'} constrained here. {', '.join(names)} {has} no effect. Release {which}, or"
+        f" give a number that {RESISTS[kind]} a free deformation.",
         IdleWarning,
     )
 

@@ -193,8 +193,8 @@ def _of_roots(subject: str, value: Any, count: int) -> tuple[Any, Any] | None:
         # An array of twice as many may be six stiffnesses in space, of which a leaf spring in the plane takes three.
         if flat.size != count and (flat.size != 2 * count or (not ends and np.ndim(value) == 1)):
             raise ModelError(
-                f"{subject} must be the {count} stiffnesses of a root, or those of the first end and of the last, None"
-                f" for a rigid end, not {short_repr(value)}."
+                f"{subject} must be the {count} stiffnesses of a root, or a pair of such sets for the first and the"
+                f" last end (None for a rigid end), not {short_repr(value)}."
             )
         ends = [flat[:count], flat[-count:]]
     for end in ends:

@@ -151,8 +151,8 @@ class Constraints:
     Attributes:
         jacobian: Rows of unit size, columns per extent of the mechanism or radian, (n_e, n_x); sparse where there are
             many.
-        rows: What each row was multiplied by, (n_e,).
-        columns: What each column was multiplied by, (n_x,).
+        rows: Factor of each row, (n_e,).
+        columns: Factor of each column, (n_x,).
     """
 
     jacobian: Any

@@ -202,7 +202,7 @@ def noise_budget(
     if controller is not None:
         loop = feedback_controller(controller, measured, driven, outs, ins, sign)
     elif measured is not None or driven is not None:
-        raise ValueError("Arguments `measured` and `driven` go with a controller.")
+        raise ValueError("Arguments `measured` and `driven` need a controller.")
     entering = _sources(sources, ins, outs, loop)
     if hertz is None and band is None:
         _check_white(entering, lin, loop)

@@ -35,7 +35,7 @@ def one_mass(plant: Any) -> tuple[float, float, float]:
     inverse = (c @ a @ b).item() - float(np.trace(a)) * rate
     fast = max(np.sqrt(abs(float(np.linalg.det(a)))), abs(float(np.trace(a))))
     if abs(rate) * fast > POSITION_OUTPUT * abs(inverse) or (rate and not inverse):
-        raise ModelError(f"Output '{plant.output_labels[0]}' is no position. Name an `output` that is one.")
+        raise ModelError(f"Output '{plant.output_labels[0]}' is no position. Name an `output` that is a position.")
     if inverse == 0:
         raise ModelError(f"Input '{plant.input_labels[0]}' does not move output '{plant.output_labels[0]}'.")
     mass = 1 / inverse

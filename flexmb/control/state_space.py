@@ -215,12 +215,13 @@ def state_matrices(
 
     Inputs that move a constrained coordinate change the states:
 
-    - A displacement adds no states. The states are the degrees of freedom minus their immediate motion by the inertia
-      of the input; their names end in "shifted".
-    - A velocity adds its integral to the states, an acceleration both integrals; they are named "moved by" the input.
+    - A displacement adds no states. A part of the motion may follow it at once. The states exclude this part, and their
+      names end in "shifted".
+    - A velocity adds the displacement to the states. An acceleration adds displacement and velocity. These states have
+      the name "moved by" the input.
 
-    An output that needs a rate of an input raises an error that names the quantity to use. An example is the
-    acceleration of a mass, for the displacement of a damper's end.
+    An output that needs a rate of an input raises an error that names the quantity to use. Example: the input is the
+    displacement of one end of a damper, and the output is the acceleration of a mass at the other end.
 
     Args:
         model: Mechanism, or its linearisation, also along a motion: times are then the first axis of the matrices.

@@ -54,7 +54,7 @@ def write_responses(response: Responses, path: str | os.PathLike) -> None:
         )
     for name in (*response.outputs, *response.inputs):
         if len(name) > LINE or not name.isprintable():
-            raise ValueError(f"A universal file has lines of {LINE} letters, which cannot hold '{printable(name)}'.")
+            raise ValueError(f"A universal file has lines of {LINE} letters, which cannot contain '{printable(name)}'.")
     pyuff = for_files("pyuff")
     if not target.parent.is_dir():
         raise FileNotFoundError(f"There is no folder '{printable(target.parent)}'.")
@@ -96,9 +96,9 @@ def read_responses(path: str | os.PathLike) -> Responses:
             ) from error
     sets = [data_set for data_set in sets if data_set["func_type"] == RESPONSE]
     if not sets:
-        raise ValueError(f"'{printable(path)}' holds no frequency response (data set 58, function type {RESPONSE}).")
+        raise ValueError(f"'{printable(path)}' contains no frequency response (data set 58, function type {RESPONSE}).")
     if len({(data_set["length"], data_set["force"]) for data_set in units}) > 1:
-        raise ValueError(f"'{printable(path)}' holds several systems of units (data set 164).")
+        raise ValueError(f"'{printable(path)}' contains several systems of units (data set 164).")
     responses, outputs, inputs = {}, {}, {}
     hertz = np.asarray(sets[0]["x"], float)
     for data_set in sets:
@@ -106,7 +106,7 @@ def read_responses(path: str | os.PathLike) -> Responses:
         if np.shape(data_set["x"]) != hertz.shape or not np.allclose(data_set["x"], hertz, rtol=1e-9, atol=0):
             raise ValueError(f"The responses of '{printable(path)}' are given at different frequencies.")
         if (output, source) in responses:
-            raise ValueError(f"'{printable(path)}' holds the response of '{output}' to '{source}' twice.")
+            raise ValueError(f"'{printable(path)}' contains the response of '{output}' to '{source}' twice.")
         factor = _to_si(path, data_set, units[0]) if units else None
         responses[output, source] = np.asarray(data_set["data"], complex) * (factor or 1.0)
         ports = _port(data_set, "rsp", "ordinate"), _port(data_set, "ref", "orddenom")

@@ -18,8 +18,8 @@ class Combination(NamedTuple):
 
     Attributes:
         choices: Values by name.
-        labels: Their labels, by name.
-        tuned: Best design with them; None if the search could not begin.
+        labels: Labels of the chosen values, by name.
+        tuned: Best design with these choices; None if the search could not begin.
         result: Code of RESULTS of the search, or of the analysis that failed at the start.
         reason: Reason in words.
     """

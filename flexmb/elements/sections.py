@@ -182,7 +182,7 @@ def warping_factor(
 
     Source:
         Tutorial WA 1239 (2012), eq. (4.11); Vlasov's narrow strip, alpha^2 = G It/(E Cw) with It = w t^3/3 and
-        Cw = w^3 t^3/144. Its (4.14) is the limit for a long strip.
+        Cw = w^3 t^3/144. Eq. (4.14) of the tutorial is the limit for a long strip.
     """
     if clamped_ends not in (0, 1, 2):
         raise ModelError(f"clamped_ends must be 0, 1 or 2, but is {clamped_ends!r}.")

@@ -219,16 +219,17 @@ def save_fmu(
     - A linear plant moves exactly, by a matrix exponential, which the unit stores for steps of the same length.
     - A time-varying plant moves by a Magnus series of fourth order, in substeps that end at the knots.
     - A nonlinear plant moves by a Rosenbrock method of order five, with the importer's relative tolerance or 1e-6.
-      States below a millimetre or a milliradian are compared with a millimetre or a milliradian. Each step evaluates
-      the equations once per state for the Jacobian. The unit looks for stops and barriers at 17 places of a step.
+      The tolerance is relative to the size of a state, but at least to a millimetre or a milliradian. Each step
+      evaluates the equations once per state for the Jacobian. The unit looks for forces that act only within a step,
+      such as stops, at 17 places of the step.
 
     In model exchange the unit returns rates to the importer's solver. Light damping at kilohertz is hard for such
     solvers: keep fewer ``modes``, or use co-simulation.
 
     Args:
         system: Model or Linearization with named inputs and outputs; control.StateSpace; or a time-varying system
-            along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of a time-varying system are
-            nominal values and deviations together. Its nominal inputs are outputs too, named "nominal u".
+            along a motion, :class:`flexmb.trajectory.TimeVarying`. Inputs and outputs of a time-varying unit are
+            nominal values plus deviations. The nominal values are further outputs, named "nominal u" and "nominal y".
         path: Path of the file; it ends in .fmu. The unit has the name of the file.
         fmi: Version of the standard, 3 or 2.
         start: Start values of states, by name, or all in order; zero by default. Importers can set them: "state q".
@@ -246,9 +247,9 @@ def save_fmu(
     Returns:
         Fmu with names and units. A position y [m] counts from the undeformed mechanism, or in a linear unit from the
         state of the linearisation; the description of y states this. Each position has an additional output "absolute
-        y". A, B, C and a D that is not zero are parameters; along a motion, at all knots and with u0 and y0. They are
-        arrays in FMI 3.0 (up to 50000 numbers) and scalars "A[1,2]" in FMI 2.0 (up to 5000). Larger matrices are files
-        in the folder of resources and cannot be set.
+        y". A, B, C and a D that is not zero are parameters. A time-varying unit has these matrices at all knots, and u0
+        and y0. They are arrays in FMI 3.0 (up to 50000 numbers) and scalars "A[1,2]" in FMI 2.0 (up to 5000). Larger
+        matrices are files in the folder of resources and cannot be set.
 
     Raises:
         ValueError: The path has another ending, the version does not exist, an argument does not belong to this system,

@@ -312,7 +312,7 @@ class Fit(Result):
         items = measurements(candidates)
         for item in items:
             if item.scatter is None:
-                raise ValueError(f"Candidate '{item.name}' has no deviation: give what is expected.")
+                raise ValueError(f"Candidate '{item.name}' has no deviation: give the expected standard deviation.")
         names = [narrow] if isinstance(narrow, str) else list(narrow or ())
         narrowed_slopes = [self._slopes_of(name) for name in names]
         _, slopes, layout = self.problem.asked_at(self.unit, {item.name: prediction_of(item) for item in items})

@@ -42,7 +42,7 @@ class Where(NamedTuple):
                 raise ValueError(f"Argument `{name}` of fm.{function} needs at=, a path or a motion.")
         stated = "at=" if self.at is not None else "a linearisation" if given else ""
         if self.increment is not None and stated:
-            raise ValueError(f"Argument `increment` of fm.{function} does not go with {stated}, which has its loads.")
+            raise ValueError(f"Argument `increment` of fm.{function} contradicts {stated}, which has its loads.")
         if given and self.at is not None:
             raise ValueError(
                 f"fm.{function} got a linearisation and `at`. Give the model and `at`, or only the linearisation."
@@ -119,12 +119,12 @@ def linearized(given: Any, function: str, throw: bool = True, where: Where | Non
     is_linearized = isinstance(given, Linearization)
     where.refuse(function, given=is_linearized and not given.large)
     if is_linearized and given.large:
-        raise TypeError(f"fm.{function} takes no sparse linearisation. Give fm.linearize(model), which is dense.")
+        raise TypeError(f"fm.{function} accepts no sparse linearisation. Give fm.linearize(model), which is dense.")
     if where.at is not None:
         given = where.state(as_model(given, function), function)
         if given.large:
             instead = "fm.path(model, sparse=False)" if where.at is not given else "fm.linearize(model)"
-            raise TypeError(f"fm.{function} takes no sparse linearisation. Give {instead}, which is dense.")
+            raise TypeError(f"fm.{function} accepts no sparse linearisation. Give {instead}, which is dense.")
     if not isinstance(given, Linearization):
         model = as_determined(given, function)
         return linearized_by_freedoms(model, load_factors_of(model, 1.0, where.increment, function), throw)

@@ -280,16 +280,16 @@ def _warn_of_moving(multiplier: Array, moved: Array, all_scaled: bool) -> None:
     lowest = np.min(np.abs(np.asarray(multiplier)), initial=np.inf)
     if np.isfinite(lowest) and lowest * float(moved) > FAR_BEFORE_BUCKLING:
         warn(
-            f"At the load multiplier {lowest:.4g} these loads move the mechanism by {lowest * float(moved):.2g} of its"
-            " extent, or radians. Linear buckling neglects this motion, and may be far off. Follow the path (fm.path,"
-            " mode 10)."
+            f"At the load multiplier {lowest:.4g} these loads move the mechanism by {lowest * float(moved):.2g} times"
+            " its extent, or turn it by as many radians. Linear buckling neglects this motion, and may be far off."
+            " Follow the path (fm.path, mode 10)."
         )
     elif np.isfinite(lowest) and all_scaled and float(moved) > BENT_BY_LOADS:
         warn(
-            f"At load factor 1, these loads move the mechanism by {float(moved):.2g} of its extent, or radians. Load"
-            f" multipliers refer to this state: the lowest, {lowest:.4g} in size, depends on the size of the loads,"
-            " unless it is 1. For multipliers about the unloaded mechanism, give the loads increment=True, or follow"
-            " the path (fm.path, mode 10)."
+            f"At load factor 1, these loads move the mechanism by {float(moved):.2g} times its extent, or turn it by"
+            f" as many radians. Load multipliers refer to this state: the lowest, {lowest:.4g} in size, depends on the"
+            " size of the loads, unless it is 1. For multipliers about the unloaded mechanism, give the loads"
+            " increment=True, or follow the path (fm.path, mode 10)."
         )
 
 

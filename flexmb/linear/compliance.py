@@ -214,7 +214,7 @@ def directional_compliance(
         TypeError: Numbers are traced.
 
     Warns:
-        FlexmbWarning: There is such a motion.
+        FlexmbWarning: A motion has no stiffness.
 
     Source:
         Diagonal of DFx (K0 + N0 + G0)^-1 DFx^T, with rotations by omega = 2 Lbar d(lambda)/dt.

@@ -72,7 +72,7 @@ class Matrices(Result, Record):
         x: Nodal coordinates of the state, (n_x,) [m, rad, -].
         e: Deformations there, (n_e,) [m, rad].
         sigma: Stress resultants there, (n_e,) [N, N m].
-        felt: Gravity and motion there, which act along the elements.
+        felt: Gravity and inertial load there, distributed along the elements.
         reactions: Forces of the supports there, (n_x,) [N, N m].
         external: Loads except weight, plus reactions, there, (n_x,) [N, N m].
         iterations: Newton iterations of the equilibrium.
@@ -317,11 +317,11 @@ class ManyStates:
         raise NotImplementedError
 
     def factors(self, step: int) -> LoadFactors:
-        """Load factors of one state; of a path only."""
+        """Load factors of one state, for a path only."""
         raise NotImplementedError
 
     def stressed(self) -> Stressed:
-        """What stress of all states is computed from."""
+        """Data from which the stress of all states is computed."""
         raise NotImplementedError
 
 
@@ -450,10 +450,10 @@ def linearized_about(model: Model, at: Equilibrium, function: str, solver: Linea
     """Linearised equations about an equilibrium that has been found, under its loads.
 
     Args:
-        solver: By which they are solved element by element; in the degrees of freedom unless given.
+        solver: Solver of equations in all coordinates; None for equations in the degrees of freedom.
 
     Raises:
-        AnalysisError: It was not found.
+        AnalysisError: The equilibrium was not found.
         TypeError: The equilibrium does not know its loads, or the numbers of the model are traced.
     """
     if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
@@ -517,7 +517,7 @@ def linearize(
 
 
 class Shapes(ByName, AboutState):
-    """Base class of modes, asked by name as the state that they are about.
+    """Base class of modes. Methods by name return values of the state about which the mechanism vibrates or buckles.
 
     Attributes:
         shapes: Modes in the coordinates, one a column, (n_x, n).

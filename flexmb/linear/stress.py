@@ -488,7 +488,7 @@ def _state(
     at: Any = where.at
     sparse = equilibrium_options["sparse"]
     if sparse is not None and at is not None:
-        raise ValueError(f"Argument `sparse` of fm.{function} does not go with at=, a known state.")
+        raise ValueError(f"Argument `sparse` of fm.{function} contradicts at=, a known state.")
     sparse = at is None and by_sparse(model, sparse)
     if at is None and not sparse:
         as_determined(model, function)

@@ -39,7 +39,7 @@ class FactoredEquations(Protocol):
 
 @runtime_checkable
 class LinearSolver(Protocol):
-    """A way to factor the equations of a mechanism; hashable, and it calls nothing of JAX."""
+    """Factors the equations of a mechanism. A solver is hashable and must not call JAX."""
 
     def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> FactoredEquations:
         """Factors of [[K + a M + b C, D^T], [D, 0]].
@@ -57,7 +57,7 @@ class LinearSolver(Protocol):
 
 @dataclasses.dataclass(frozen=True)
 class SparseSolver:
-    """Sparse factors of the host, in an order of elimination that is found once for a mechanism."""
+    """Solver with sparse factors on the host. It finds the order of elimination once for a mechanism."""
 
     def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "SparseFactored":
         """See :class:`LinearSolver`."""
@@ -89,7 +89,7 @@ class SparseFactored:
 
 @dataclasses.dataclass(frozen=True)
 class DenseSolver:
-    """Dense matrices in the motions that the constraints allow, for a mechanism of few coordinates."""
+    """Solver with dense matrices in the motions that the constraints allow, for a mechanism of few coordinates."""
 
     def factored(self, elements: ElementMatrices, mass: float = 0.0, damping: float = 0.0) -> "DenseFactored":
         """See :class:`LinearSolver`."""
@@ -139,14 +139,14 @@ SPARSE, DENSE = SparseSolver(), DenseSolver()
 
 
 def asked_solver(sparse: Any, solver: Any) -> LinearSolver | None:
-    """Solver that a public function is asked for by ``solver``, or by ``sparse`` of the same meaning; None: by size.
+    """Return the solver that ``solver`` or ``sparse`` selects; None if the size of the model decides.
 
     Args:
         sparse: True, False or None.
         solver: "sparse", "dense", a :class:`LinearSolver` or None.
 
     Raises:
-        TypeError, ValueError: One of them is of another kind, or they contradict each other.
+        TypeError, ValueError: An argument has another type or value, or the arguments contradict each other.
     """
     if sparse is not None:
         check_flag("sparse", sparse)

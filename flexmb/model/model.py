@@ -53,13 +53,13 @@ class Entry:
 
 
 class Port(NamedTuple):
-    """What an input or output is about.
+    """Node, axis, quantity and unit of an input or output.
 
     Attributes:
-        node: Its node; empty of an element, and of what has parts.
+        node: Name of the node; empty for an element, and for a signal with parts.
         axis: "x", "y", "z", "phi", or "rx", "ry", "rz" about a global axis in space; empty otherwise.
-        quantity: As of :class:`Signal`.
-        unit: SI unit; empty where only an element knows it.
+        quantity: Quantity, as in :class:`Signal`.
+        unit: SI unit; empty for a deformation, a stress resultant, and a signal with parts.
     """
 
     node: str = ""
@@ -74,10 +74,11 @@ class Signal:
 
     Attributes:
         name: Its label.
-        quantity: For an input "force", "moment", "stress", or "displacement", "velocity", "acceleration" of something
-            held; for an output "position", "velocity", "acceleration", "reaction", "deformation", "deformation rate",
-            "deformation acceleration", "stress". For a rotation in space, the first three mean rotation vector, angular
-            velocity and angular acceleration. "actuator" or "sensor" for a signal with parts.
+        quantity: For an input "force", "moment" or "stress", or "displacement", "velocity" or "acceleration" of a FIXED
+            or PRESCRIBED coordinate or deformation. For an output "position", "velocity", "acceleration", "reaction",
+            "deformation", "deformation rate", "deformation acceleration" or "stress". For a rotation in space,
+            "position", "velocity" and "acceleration" mean rotation vector, angular velocity and angular acceleration.
+            For a signal with parts "actuator" or "sensor".
         index: Index in x or e; for a rotation in space, of its first Euler parameter; -1 for a signal with parts.
         axis: Axis 0, 1 or 2 of a rotation in space; None for a coordinate or a deformation.
         local: Whether the axis turns with the node.
@@ -97,16 +98,16 @@ class Signal:
 
     @property
     def terms(self) -> tuple["Signal", ...]:
-        """Its parts, or itself."""
+        """Parts of the signal; a signal without parts is its only part."""
         return self.parts or (self,)
 
     @property
     def order(self) -> int | None:
-        """Order of the derivative of a displacement, for an input that moves something held; otherwise None."""
+        """0, 1 or 2 for an input that is a displacement, a velocity or an acceleration; otherwise None."""
         return MOTIONS.index(self.quantity) if self.held and self.quantity in MOTIONS else None
 
     def port(self, labels: "Labels") -> Port:
-        """Its node, axis and unit, as far as names tell."""
+        """Node, axis, quantity and unit of the signal, as far as names determine them."""
         if self.index < 0 or self.of_element or self.quantity.startswith(("deformation", "stress")):
             return Port(quantity=self.quantity)
         entry = labels.x[self.index]

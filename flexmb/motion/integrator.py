@@ -32,8 +32,8 @@ class Integrator(Record):
             - "coordinates": all nodal coordinates with a multiplier for each constraint, projected onto the constraints
               after each step. This form needs no degrees of freedom. A choice of degrees of freedom may fail during the
               motion.
-            - "tree": the same, but flexmb computes the last ends of spectral beams that close no loop from their first
-              ends and strains. Not with a controller, an event or ``EnergyKeeping()``.
+            - "tree": the same, except for spectral beams that close no loop. flexmb computes the last end of such a
+              beam from its first end and its strains. Not with a controller, an event or ``EnergyKeeping()``.
             - "reduced": the degrees of freedom. Each evaluation solves for the other coordinates. This form has fewer
               unknowns, but fails at a dead point. Not with explicit solvers.
             - "chain": all coordinates of many elements, without dense matrices. Not differentiable in reverse mode if
@@ -52,8 +52,8 @@ class Integrator(Record):
         dt0: First step, or the fixed step [s].
         adjoint: Adjoint of diffrax: reverse mode by default, forward mode with ``diffrax.ForwardMode()``.
         event: Event of diffrax that ends the motion; rows of later times are not finite. Without a root finder the
-            motion ends with its step. A condition of time and state is evaluated at 17 places of each step; with fixed
-            steps or a `controller` only at ends of steps. Its arguments are t and y. The entries of y.u are
+            motion ends at the end of the step. A condition of time and state is evaluated at 17 places of each step;
+            with fixed steps or a `controller` only at ends of steps. Its arguments are t and y. The entries of y.u are
             displacements of the coordinates that move, divided by the extent of the mechanism: y.u[0] is zero when the
             first of these coordinates passes its undeformed place.
         max_steps: Largest number of steps; with ``progress``, in each part.

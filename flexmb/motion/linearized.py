@@ -162,8 +162,8 @@ def _warn_of_change(numbers: tuple[Any, ...], matrices: Matrices, time: float) -
     )
     if int(later.result) != RESULTS.successful or change > STEADY_EQUATIONS:
         warn(
-            f"The degrees of freedom are not constant in this motion: after {ONWARDS:g} rad or extents, the linearised"
-            f" equations change by {change:.2g} of their largest entries. Poles at one instant are meaningless. Choose"
-            " degrees of freedom that turn with anisotropic parts, or use the equations along the motion:"
-            " fm.motion.linearize_motion(fm.simulate(..))."
+            f"The degrees of freedom are not constant in this motion: after {ONWARDS:g} rad, or {ONWARDS:g} times the"
+            f" extent, the linearised equations change by {change:.2g} of their largest entries. Poles at one instant"
+            " are meaningless. Choose degrees of freedom that turn with anisotropic parts, or use the equations along"
+            " the motion: fm.motion.linearize_motion(fm.simulate(..))."
         )

@@ -34,7 +34,7 @@ class Loop(Record):
     Attributes:
         control: Controller from the model's outputs y to its inputs u: a ``control.StateSpace`` or proper
             ``control.TransferFunction``, continuous or sampled (with dt; its output is constant between samples); a
-            function ``u = control(t, y)``; a :class:`Feedback` or a :class:`Sampled`, such as functions of
+            function ``u = control(t, y)``; a :class:`Feedback` or a :class:`Sampled`, which functions of
             :mod:`flexmb.control` return. flexmb connects a system by name if it has the names of the model's inputs and
             outputs, otherwise by order.
         reference: Wanted outputs as a function of time. The controller then reads reference - y, otherwise y.

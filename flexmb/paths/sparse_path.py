@@ -38,7 +38,7 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
         x: Nodal coordinates, (steps, n_x) [m, rad, -].
         e: Deformations, (steps, n_e) [m, rad].
         sigma: Stress resultants; for FIXED deformations the multiplier, (steps, n_e) [N, N m].
-        felt: Gravity, which acts along the elements.
+        felt: Gravity, distributed along the elements.
         reactions: Forces of the supports, (steps, n_x) [N, N m].
         external: Loads except weight, plus reactions, (steps, n_x) [N, N m].
         critical_values: Up to four eigenvalues of the stiffness, in extents and radians, nearest to zero, ascending,

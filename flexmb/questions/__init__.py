@@ -1,1 +1,1 @@
-"""Questions of a mechanism in a state: one file a question, found by looking into this folder."""
+"""Questions about a mechanism in a state. Each file of this folder defines questions; flexmb finds the files."""

@@ -10,14 +10,19 @@ class Along(ManyStates):
     """Base class of a path and a motion."""
 
     def along(self: Any, text: str) -> Series:
-        """One quantity in every state, asked for by name.
+        """Return one quantity in every state, by its name.
 
-        "top.x", "displacement top.x" (from the undeformed mechanism), "top.phi" (an angle; in space "top.rx");
-        "displacement" (the largest); "force top.x" (see ``force_needed``), "reaction foot.x"; "deformation leaf.2",
-        "stress resultant leaf.2"; "stress" (largest von Mises stress), "stress leaf", "utilisation" (over the
-        strength); "frequency 1", "stiffness top.y" (of all else free to follow), "mass"; "load factor", "multiplier 1"
-        (of buckling) of a path; "time", "velocity top.x", "acceleration top.x", "kinetic", "elastic", "potential",
-        "energy" (their sum) of a motion. Each file of ``flexmb/questions`` adds its own.
+        - Node: "top.x", or "top.phi" for an angle (in space "top.rx"). "displacement top.x" counts from the undeformed
+          mechanism; "displacement" is the largest displacement of all nodes. "force top.x" is ``force_needed``,
+          "reaction foot.x" the force of a support. "stiffness top.y" has all other motions free.
+        - Element: "deformation leaf.2", "stress resultant leaf.2"; "stress leaf", the largest von Mises stress.
+        - Whole mechanism: "frequency 1", "mass"; "stress", the largest von Mises stress; "utilisation", the largest
+          ratio of this stress to the strength.
+        - Path only: "load factor", and "multiplier 1", the first load multiplier of buckling.
+        - Motion only: "time", "velocity top.x", "acceleration top.x"; "kinetic", "elastic", "potential", and their sum
+          "energy".
+
+        Each file of ``flexmb/questions`` adds its questions.
 
         Raises:
             KeyError: There is no such quantity, node, element or component.

@@ -1,4 +1,4 @@
-"""A question of a state by its text, such as "frequency 1", and the list of all questions: the files of this folder."""
+"""Questions about a state by their texts, such as "frequency 1", and the list of all questions of this folder."""
 
 import dataclasses
 import functools
@@ -25,16 +25,16 @@ class Question:
 
     Attributes:
         name: First words of the text. The question without a name is a coordinate, such as "top.x".
-        takes: What follows the name, joined by points: "number", "element", or "node" and "axis". A first word such as
-            "element?" may be left out.
-        value: Function of a state and of the words after the name. A state is a Model at its equilibrium, a
-            Linearization, or with ``of_many`` also a path or a motion, whose states then stand in front.
+        takes: Kinds of the words after the name, which are joined by points: "number", "element", or "node" and "axis".
+            A first word with a question mark, such as "element?", may be omitted.
+        value: Function of a state and of the words after the name. A state is a Model at its equilibrium or a
+            Linearization; with ``of_many`` also a path or a motion, whose states are then the first axis of the value.
         unit: SI unit, or a function of the words after the name and of the mechanism's labels, if they are known.
-        label: How an axis of a picture names it; the text itself unless given.
-        kind: What pictures name several of a kind, such as "energy"; the name unless given.
-        only: "path" or "motion" where a single state has no answer.
-        of_many: Whether ``value`` takes a path or a motion.
-        of_loads: Whether there is no answer without loads.
+        label: Label of an axis of a picture; by default the text of the question.
+        kind: Common label of several such questions in a picture, such as "energy"; by default the name.
+        only: "path" or "motion" if a single state has no answer; otherwise "".
+        of_many: Whether ``value`` accepts a path or a motion.
+        of_loads: Whether the question needs loads.
         differentiable: Whether ``value`` has derivatives by the numbers of the model.
     """
 

@@ -87,9 +87,9 @@ def warn_of_coarse(model: Model, e: Any) -> None:
     if turned:
         advice = "Use spectral beams" if turned.keys() & stretched.keys() else "Use more beams, or spectral ones"
         warn(
-            f"{_named(turned)}: an end turns by up to {max(turned.values()):.2g} rad from the chord, or about the chord"
-            f" from the other end. Beyond {COARSE_ANGLE} rad the error of one beam is 3 % or more if twisted, and 5 %"
-            f" if bent. {advice}.",
+            f"{_named(turned)}: an end turns by up to {max(turned.values()):.2g} rad against the chord, or twists by"
+            f" this angle against the other end. Beyond {COARSE_ANGLE} rad the error of one beam is 3 % or more if"
+            f" twisted, and 5 % if bent. {advice}.",
             CoarseWarning,
         )
     if stretched:
@@ -132,9 +132,9 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
             bent[str(model.labels.e[numbers[i, 0]].of)] = float(u[i])
     if bent:
         warn(
-            f"{_named(bent)}: bent far for its width, u = {max(bent.values()):.3g}. Sideways stiffness of a bent leaf"
-            f" spring was compared with solid elements up to u = {WIDEST_BENT:g}. Make it narrower or thicker, or"
-            " compare it yourself.",
+            f"{_named(bent)}: bent far for its width, u = {max(bent.values()):.3g} in THEORY.md, eq. (2.23). Sideways"
+            f" stiffness of a bent leaf spring was compared with solid elements up to u = {WIDEST_BENT:g}. Make it"
+            " narrower or thicker, or compare it yourself.",
             CoarseWarning,
         )
 

@@ -196,7 +196,7 @@ def configuration(
 
     Raises:
         ValueError: q or qd does not have one number for each degree of freedom.
-        AnalysisError: singular_configuration, also if round-off next to a dead point decides position or velocity; or
+        AnalysisError: singular_configuration, also if position or velocity depends on round-off near a dead point; or
             out_of_reach.
 
     Source:

@@ -83,7 +83,7 @@ class Equilibrium(ByName, Result, Record):
         x: Nodal coordinates, (n_x,) [m, rad, -].
         e: Deformations, (n_e,) [m, rad].
         sigma: Stress resultants; for FIXED deformations the constraint force, (n_e,) [N, N m].
-        felt: Gravity as a load along the elements.
+        felt: Gravity, distributed along the elements.
         reactions: Force of the supports on the mechanism, dual to x, (n_x,) [N, N m]; zero without a support.
         external: Loads except weight, plus reactions, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.

@@ -39,7 +39,7 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
 
     Args:
         model: A :class:`flexmb.Builder`, a Model, a result of :func:`flexmb.read_spacar`, the path of a file (.dat, or
-            a .json of the workbench), or a function that builds a mechanism of ``names``; None for a new mechanism.
+            a .json of the workbench), or a function of ``names`` that builds a mechanism; None for a new mechanism.
         port: Port on this machine; 0 for any free port.
         browser: Whether to open the browser; by default only outside of notebooks.
         names: Arguments of the function: numbers, or (value, lowest, highest) for a slider.

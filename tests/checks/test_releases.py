@@ -142,7 +142,7 @@ def test_supports_of_a_scott_russell_linkage():
     x = 2 * np.cos(0.9) + 0.3
     # Newton's method ends at 1e-10.
     np.testing.assert_allclose(state.position("B"), [0, np.sqrt(4 - x**2)], atol=1e-9)
-    with pytest.warns(fm.FlexmbWarning, match=r"coordinate y of node 'O', and this loses rank near bar\.phi"):
+    with pytest.warns(fm.FlexmbWarning, match=r"coordinate y of node 'O'\. This release loses rank near bar\.phi"):
         scott_russell().build(release="auto")
 
 

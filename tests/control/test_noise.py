@@ -403,7 +403,7 @@ def test_what_is_refused():
         (ValueError, "1 inputs, but the mechanism has 4 outputs", {"controller": 3.0}),
         (ValueError, "sampled", {"controller": control.ss(0.5, 1, 1, 0, 0.01)}),
         (TypeError, "A controller is", {"controller": "pid"}),
-        (ValueError, "go with a controller", {"driven": "push"}),
+        (ValueError, "need a controller", {"driven": "push"}),
         (fm.AnalysisError, "does not come to rest.* no damping", {"model": still}),
     ):
         own = {"sources": white, "model": model, **words}
