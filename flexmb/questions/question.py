@@ -1,4 +1,4 @@
-"""Questions about a state by their texts, such as "frequency 1", and the list of all questions of this folder."""
+"""A question of a state by its text, such as "frequency 1", and the list of all questions: the files of this folder."""
 
 import dataclasses
 import functools

@@ -1,4 +1,4 @@
-"""Largest von Mises stress "stress", of one element "stress leaf", and its ratio to the strength, "utilisation"."""
+"""The largest von Mises stress: "stress", in one element: "stress leaf", divided by the strength: "utilisation"."""
 
 from typing import Any
 
