@@ -89,10 +89,8 @@ def section_numbers(r: Reading, s: Statement, p: Values) -> None:
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
     for name, value in zip(names, values, strict=False):
         if name == NOTHING and not (known(value) and value == 0):
-            missing = (
-                "cross-section that turns: a rotary inertia" if s.keyword == "EM" else "shear deformation: a shear"
-            )
-            raise Fault(f"{kind.keyword} has no {missing} of {value} must be 0")
+            missing = "rotary inertia" if s.keyword == "EM" else "shear deformation"
+            raise Fault(f"{kind.keyword} has no {missing}: this number must be 0, but is {value}")
         if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
             raise Fault(f"{name} must not be negative, but is {value}")
     counted = sum(not known(v) or v > 0 for v in (*values, 0, 0)[4:6])
@@ -276,7 +274,7 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
         if nonzero := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
             keyword = r.declared(element).kind.keyword
             raise Fault(
-                f"{keyword} takes values of single coefficients alone, from deformation {first} on; value {nonzero[0]}"
+                f"{keyword} accepts only values of single coefficients, from deformation {first} on; value {nonzero[0]}"
                 " must be 0"
             )
     elif member.element.fields:

@@ -162,9 +162,9 @@ def _node(script: Script, number: int) -> Iterator[str]:
         return
     fix_names = [name for name in fields if name.startswith("fix")]
     if "fix" in fields and len(fix_names) > 1:
-        yield f"{where}: fix holds all of it; leave out {', '.join(n for n in fix_names if n != 'fix')}."
+        yield f"{where}: fix fixes the whole node; leave out {', '.join(n for n in fix_names if n != 'fix')}."
     elif "fix_pos" in fields and any(f"fix_{axis}" in fields for axis in AXES):
-        yield f"{where}: fix_pos holds x, y and z; leave out {', '.join(n for n in fix_names if n[4:] in AXES)}."
+        yield f"{where}: fix_pos fixes x, y and z; leave out {', '.join(n for n in fix_names if n[4:] in AXES)}."
     for i, axis in enumerate(AXES):
         ways = [name for name in ("fix", "fix_pos", f"fix_{axis}") if name in fields][:1]
         ways += [n for n in ("force", "force_initial") if n in fields and acts(fields[n][i])][:1]

@@ -397,8 +397,8 @@ def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[
     if words and rigid:
         numbers = " ".join(map(str, range(1, len(member.roles) + 1)))
         yield (
-            f"{' and '.join(words)} of element {number} change{'s' * (len(words) == 1)} nothing: the element is rigid;"
-            f" RLSE {number} {numbers} lets it deform"
+            f"{' and '.join(words)} of element {number} {'has' if len(words) == 1 else 'have'} no effect: the element"
+            f" is rigid; RLSE {number} {numbers} lets it deform"
         )
 
 

@@ -243,7 +243,7 @@ BAD = [
     (
         "XM 5",
         "ESIG 2 1\nXM 5",
-        "14: ESIG: element 2: LEAF takes values of single coefficients alone, from deformation 9",
+        "14: ESIG: element 2: LEAF accepts only values of single coefficients, from deformation 9",
     ),
     ("X 1 0", "CLAMP 1 1\nX 1 0", "3: CLAMP: element 1: too few parameters (2); expected: CLAMP element first last"),
     (

@@ -445,7 +445,7 @@ FAULTS = {
     "unknown field": ({"node": {"force_y": 1}}, "nprops(3).force_y: there is no such field. Did you mean force?"),
     "wrong length": ({"node": {"force": [0, 1]}}, "nprops(3).force: must be 3 finite numbers, but is [0, 1]."),
     "not a number": ({"node": {"mass": float("nan")}}, "nprops(3).mass: must be a finite number, but is nan."),
-    "fixed twice": ({"node": {"fix": 1, "fix_x": 1}, "at": 1}, "Node 1: fix holds all of it; leave out fix_x."),
+    "fixed twice": ({"node": {"fix": 1, "fix_x": 1}, "at": 1}, "Node 1: fix fixes the whole node; leave out fix_x."),
     "two ways": ({"node": {"fix_x": 1, "displ_x": 1}}, "Node 3: fix_x and displ_x act on x; choose one."),
     "two ways to turn": ({"node": {"moment": [1, 0, 0], "rot_x": 1}}, "Node 3: moment and rot_x act on its rotation"),
     "two axes": ({"node": {"rot_x": 1, "rot_initial_y": 1}}, "Node 3: rot_x and rot_initial_y turn about several axes"),

@@ -242,7 +242,7 @@ WARNED = {
     ),
     "stiffness of what is rigid": (
         BAR.replace("RLSE", "% ").replace("DYNX", "%"),
-        "text:2: PLTRUSS: ESTIFF of element 1 changes nothing: the element is rigid; RLSE 1 1 lets it deform",
+        "text:2: PLTRUSS: ESTIFF of element 1 has no effect: the element is rigid; RLSE 1 1 lets it deform",
     ),
 }
 

@@ -382,7 +382,11 @@ def test_one_fault(old, new, expected):
 
 
 PLANAR = [
-    ("1e8 1\n", "1e8 1 0.5\n", "9: ESTIFF: element 1: PLSBEAM has no shear deformation: a shear of 0.5 must be 0"),
+    (
+        "1e8 1\n",
+        "1e8 1 0.5\n",
+        "9: ESTIFF: element 1: PLSBEAM has no shear deformation: this number must be 0, but is 0.5",
+    ),
     ("4 6\n", "4 1\n", "11: ESIG: element 1: values 2 and 3 differ: bending that varies needs p of at least 2"),
 ]
 
