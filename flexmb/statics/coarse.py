@@ -89,7 +89,7 @@ def warn_of_coarse(model: Model, e: Any) -> None:
         warn(
             f"{_named(turned)}: an end turns by up to {max(turned.values()):.2g} rad against the chord, or twists by"
             f" this angle against the other end. Beyond {COARSE_ANGLE} rad the error of one beam is 3 % or more if"
-            f" twisted, and 5 % if bent. {advice}.",
+            f" twisted, and 6 % if bent. {advice}.",
             CoarseWarning,
         )
     if stretched:
