@@ -57,80 +57,87 @@ def _powers(kind: NodeKind) -> tuple[int, ...]:
     return kind.powers or (0,) * kind.size
 
 
+@dataclasses.dataclass(frozen=True)
+class _Numbering:
+    """Places of nodes and elements in the vectors of coordinates and deformations, with their roles.
+
+    Attributes:
+        members: Elements and constraints of Euler parameters: name, element, nodes, properties, roles, shown or not.
+        first_x, first_e: First coordinate of each node, and first deformation of each element.
+        x_roles, e_roles: Role of each coordinate and deformation.
+    """
+
+    members: list[tuple[str, Element, tuple[str, ...], dict[str, Any], list[Role], bool]]
+    first_x: dict[str, int]
+    first_e: dict[str, int]
+    x_roles: list[Role]
+    e_roles: list[Role]
+
+    def index(self, key: Key) -> int:
+        """Return the index of a coordinate or deformation."""
+        kind, owner, number = key
+        return (self.first_e if kind == "element" else self.first_x)[owner] + number - 1
+
+
+def _numbering(builder: Description) -> _Numbering:
+    starts = np.cumsum([0] + [node.kind.size for node in builder.nodes.values()])
+    members = [(n, m.element, m.nodes, m.properties, m.roles, not m.hidden) for n, m in builder.members.items()]
+    for name, node in builder.nodes.items():
+        if node.kind is ROTATION3 and any(role is not Role.FIXED for role in node.roles):
+            members.append((name, UNIT_NORM, (name,), {}, [Role.FIXED], False))
+    first_e, e_roles = {}, []
+    for name, _, _, _, roles, _ in members:
+        first_e.setdefault(name, len(e_roles))
+        e_roles += roles
+    x_roles = [role for node in builder.nodes.values() for role in node.roles]
+    return _Numbering(members, dict(zip(builder.nodes, starts.tolist(), strict=False)), first_e, x_roles, e_roles)
+
+
 def assemble(builder: Description) -> Model:
     """Model of a builder's contents, unchecked."""
     builder = with_tilts(builder)
-    names = list(builder.nodes)
-    starts = np.cumsum([0] + [builder.nodes[n].kind.size for n in names])
-    first_x = dict(zip(names, starts.tolist(), strict=False))
-    x_roles = [role for n in names for role in builder.nodes[n].roles]
-    x_labels = [
-        Entry(n, i + 1, c, builder.nodes[n].kind.part)
-        for n in names
-        for i, c in enumerate(builder.nodes[n].kind.components)
-    ]
-    members = [(n, m.element, m.nodes, m.properties, m.roles, not m.hidden) for n, m in builder.members.items()]
-    for n in names:
-        node = builder.nodes[n]
-        if node.kind is ROTATION3 and any(role is not Role.FIXED for role in node.roles):
-            members.append((n, UNIT_NORM, (n,), {}, [Role.FIXED], False))
-
-    first_e, e_roles, e_labels = {}, [], []
-    for name, element, _, _, roles, _ in members:
-        first_e.setdefault(name, len(e_roles))
-        kind = "norm" if element is UNIT_NORM else "deformation"
-        symbol = "norm" if element is UNIT_NORM else "e"
-        called = element.deformation_names
-        e_labels += [Entry(name, i, f"{symbol}{i}", kind, called.get(i, "")) for i in range(1, len(roles) + 1)]
-        e_roles += roles
-
+    numbering, nodes = _numbering(builder), builder.nodes.values()
     warm = {owner for sets in builder.loads.values() for _, owner, _ in sets.get("temperature", {})}
-    blocks, properties, stressed = _blocks(builder, members, first_x, warm)
-    points = [first_x[n] for n in names if builder.nodes[n].kind.part == "position"]
+    blocks, properties, stressed = _blocks(builder, numbering.members, numbering.first_x, warm)
+    points = [numbering.first_x[name] for name, node in builder.nodes.items() if node.kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
-
-    def index(key: Key):
-        kind, owner, number = key
-        return (first_e if kind == "element" else first_x)[owner] + number - 1
-
-    dofs_x = [index(d) for d in builder.dofs if d[0] == "node"]
-    dofs_e = [index(d) for d in builder.dofs if d[0] == "element"]
-    powers: Any = np.array([power for n in names for power in _powers(builder.nodes[n].kind)], int)
-    topology = Topology(blocks, _indices(x_roles, dofs_x), _indices(e_roles, dofs_e), axes, powers)
-    reference = _concatenate([builder.nodes[n].start for n in names])
-    initial = _loads(builder.loads["initial"], topology, index)
-    increment = _loads(builder.loads["increment"], topology, index)
-    strain = _sparse(builder.loads["initial"].get("strain"), len(e_roles), index)
-    has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in members)
+    dofs = [[numbering.index(d) for d in builder.dofs if d[0] == kind] for kind in ("node", "element")]
+    powers: Any = np.array([power for node in nodes for power in _powers(node.kind)], int)
+    indices = _indices(numbering.x_roles, dofs[0]), _indices(numbering.e_roles, dofs[1])
+    topology = Topology(blocks, *indices, axes, powers)
+    initial = _loads(builder.loads["initial"], topology, numbering.index)
+    increment = _loads(builder.loads["increment"], topology, numbering.index)
+    has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in numbering.members)
     parameters = Parameters(
-        reference,
+        _concatenate([node.start for node in nodes]),
         properties,
         initial,
         increment if has_increment else None,
-        strain,
+        _sparse(builder.loads["initial"].get("strain"), len(numbering.e_roles), numbering.index),
         _starts(builder),
         _weights(builder.signals),
     )
+    topology, parameters = on_device((topology, parameters))
+    return Model(topology, parameters, _labels(builder, numbering, stressed, warm))
 
-    def signal(s: NamedSignal) -> Signal:
-        if s.parts:
-            return Signal(s.name, s.quantity, -1, parts=tuple(signal(part) for part in s.parts))
-        axis, key = s.axis, s.key
-        if axis is not None and not s.local and any(role not in HELD for role in builder.nodes[key[1]].roles):
-            # A hinge prescribes or fixes a rotation about an axis. The moment acts on the frame of the hinge.
-            turn = turn_about(builder, key[1], axis)
-            hinge = builder.members.get(turn[1])
-            if s.quantity in MOTIONS and hinge is not None and hinge.roles[0] in HELD:
-                axis, key = None, turn
-            elif s.quantity == "reaction" and frame_of(key[1]) in builder.nodes:
-                key = ("node", frame_of(key[1]), 1)
-        of_element, at = key[0] == "element", index(key)
-        constrained = (e_roles if of_element else x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
-        return Signal(s.name, s.quantity, at, axis, s.local, of_element, constrained)
 
-    signals = {kind: tuple(signal(s) for s in entries) for kind, entries in builder.signals.items()}
+def _labels(builder: Description, numbering: _Numbering, stressed: Any, warm: set[str]) -> Labels:
+    """Names of coordinates, deformations, elements and signals."""
+    x_labels = [
+        Entry(name, i, component, node.kind.part)
+        for name, node in builder.nodes.items()
+        for i, component in enumerate(node.kind.components, 1)
+    ]
+    e_labels = []
+    for name, element, _, _, roles, _ in numbering.members:
+        kind, symbol = ("norm", "norm") if element is UNIT_NORM else ("deformation", "e")
+        called = element.deformation_names
+        e_labels += [Entry(name, i, f"{symbol}{i}", kind, called.get(i, "")) for i in range(1, len(roles) + 1)]
     elements = tuple((n, m.element.name, m.nodes) for n, m in builder.members.items() if not m.hidden)
-    labels = Labels(
+    signals = {
+        kind: tuple(_signal(builder, numbering, s) for s in entries) for kind, entries in builder.signals.items()
+    }
+    return Labels(
         tuple(x_labels),
         tuple(e_labels),
         elements,
@@ -140,8 +147,24 @@ def assemble(builder: Description) -> Model:
         stressed,
         tuple(name for name, *_ in elements if name in warm),
     )
-    topology, parameters = on_device((topology, parameters))
-    return Model(topology, parameters, labels)
+
+
+def _signal(builder: Description, numbering: _Numbering, s: NamedSignal) -> Signal:
+    """Input or output by the index of its coordinate or deformation."""
+    if s.parts:
+        return Signal(s.name, s.quantity, -1, parts=tuple(_signal(builder, numbering, part) for part in s.parts))
+    axis, key = s.axis, s.key
+    if axis is not None and not s.local and any(role not in HELD for role in builder.nodes[key[1]].roles):
+        # A hinge prescribes or fixes a rotation about an axis. The moment acts on the frame of the hinge.
+        turn = turn_about(builder, key[1], axis)
+        hinge = builder.members.get(turn[1])
+        if s.quantity in MOTIONS and hinge is not None and hinge.roles[0] in HELD:
+            axis, key = None, turn
+        elif s.quantity == "reaction" and frame_of(key[1]) in builder.nodes:
+            key = ("node", frame_of(key[1]), 1)
+    of_element, at = key[0] == "element", numbering.index(key)
+    constrained = (numbering.e_roles if of_element else numbering.x_roles)[at] in (Role.FIXED, Role.PRESCRIBED)
+    return Signal(s.name, s.quantity, at, axis, s.local, of_element, constrained)
 
 
 def _starts(builder: Description) -> Any:

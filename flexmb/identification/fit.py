@@ -202,6 +202,8 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     )
     minima = _minima(problem, solutions)
     result, reason = _outcome(best, probability, minima, len(solutions), freedom)
+    if result in (RESULTS.poor_fit, RESULTS.not_optimal):
+        reason = "; ".join([reason, *dict.fromkeys(item.advice for item in problem.items if item.advice)])
     try:
         problem.build(**layout.split(flat))
     except REFUSED as fault:

@@ -33,6 +33,7 @@ class Measured:
             partner.
         relative: Whether ``answer`` returns the logarithms of the ratios of computed to measured values: first the real
             parts, then the imaginary parts.
+        advice: What may help if a fit ends far from the values; empty if nothing is known.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Measured:
     label: str = ""
     check: Callable[[Any], None] | None = None
     relative: bool = False
+    advice: str = ""
 
     @property
     def deviation(self) -> np.ndarray | None:

@@ -88,4 +88,5 @@ def measured_response(
     if logarithmic:
         parts = np.zeros_like(parts)
     single = measured(answer, parts, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
-    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)), relative=logarithmic)
+    advice = "" if logarithmic else "measured_response(.., logarithmic=True) has fewer local minima"
+    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)), relative=logarithmic, advice=advice)

@@ -104,6 +104,18 @@ def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
         assert found.deviation[name] < 0.02 * value + 1e-4
 
 
+@pytest.mark.filterwarnings("ignore:The model does not fit the data:flexmb.FlexmbWarning")
+@pytest.mark.parametrize("logarithmic", [False, True])
+def test_a_poor_fit_of_a_response_advises_logarithms(logarithmic):
+    s = 2j * np.pi * np.linspace(0.2, 4.0, 20)
+    clean = 1 / (MASS * s**2 + s + 200.0)
+    data = fm.measured_response(s.imag / (2 * np.pi), clean, 0.01 * np.abs(clean), logarithmic=logarithmic)
+    # The stiffness is wrong, and fixed.
+    found = fm.fit(lambda damping: damped_carts(160.0, 1, 1, damping), data, {"damping": 0.8}, {"damping": (0.1, 10)})
+    assert found.result is fm.RESULTS.poor_fit
+    assert ("logarithmic=True) has fewer local minima" in found.reason) is not logarithmic
+
+
 def test_bad_responses_are_refused_by_name():
     with pytest.raises(ValueError, match="3 frequencies and 2 values"):
         fm.measured_response([1.0, 2.0, 3.0], [1.0, 2.0])
