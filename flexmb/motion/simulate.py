@@ -172,39 +172,11 @@ def simulate(
         integrator = dataclasses.replace(integrator, event=event)
     run = _integrated(problem, integrator, given_times, start, progress)
     stopped = progress and int(run.result) == RESULTS.stopped
-    (x, xd, last_strain, u), result = run.rows, run.result
-    if stopped:
-        times = times[: len(x)]
-    elif progress:
-        # Times after a failure.
-        padding = ((0, len(times) - len(x)), (0, 0))
-        x, xd, last_strain, u = (jnp.pad(column, padding, constant_values=jnp.inf) for column in run.rows)
-    order = problem.order
-    if order is not None and order.places.too_large and is_concrete(result):
-        result = jnp.full_like(result, RESULTS.out_of_memory)
-    name = type(given_solver).__name__ if given_solver is not None else "Rodas5P"
-    motion = Motion(
-        times,
-        x,
-        xd,
-        last_strain,
-        u,
-        run.steps,
-        result,
-        driven,
-        model,
-        str(integrator.form),
-        name,
-        run.last.before.balance.share,
-    )
+    motion = _motion_of(model, problem, integrator, given_solver, times, run)
     if model.labels.found and driving(model.parameters, driven) and is_concrete((motion, start)):
         warn_of_start(motion, start)
     if throw and is_concrete(motion.result) and int(motion.result) not in (RESULTS.successful, RESULTS.stopped):
-        known, begun, asked = undifferentiated((motion, start, problem))
-        if is_concrete((known, asked, begun, integrator)):
-            _refuse_not_finite(known, drives, loop)
-            if int(motion.result) in CONTROLLER_MAY_FAIL:
-                _refuse_controller(asked, integrator, given_times, begun, known)
+        _refuse_by_cause(motion, start, problem, integrator, given_times, (drives, loop))
     _check_motion(motion, run.jumped, throw and not stopped)
     _warn_of_energy(motion, integrator)
     warn_of_coarse(model, motion.e)
@@ -212,6 +184,42 @@ def simulate(
         warn_of_full_turns(motion, start.x)
     rows, numbers = {"x": motion.x, "xd": motion.xd, "u": motion.u}, (model.parameters, driven, times)
     return dataclasses.replace(motion, **or_nan(rows, motion.result, throw, numbers))
+
+
+def _motion_of(
+    model: Model, problem: Problem, integrator: Integrator, solver: Any, times: Float[Array, "n_t"], run: Integrated
+) -> Motion:
+    """Motion at the times of the run that were reached; infinite afterwards."""
+    (x, xd, last_strain, u), result = run.rows, run.result
+    missing = len(times) - len(x)
+    if missing and int(result) == RESULTS.stopped:
+        times = times[: len(x)]
+    elif missing:
+        x, xd, last_strain, u = (
+            jnp.pad(column, ((0, missing), (0, 0)), constant_values=jnp.inf) for column in run.rows
+        )
+    order = problem.order
+    if order is not None and order.places.too_large and is_concrete(result):
+        result = jnp.full_like(result, RESULTS.out_of_memory)
+    rows, form = (times, x, xd, last_strain, u, run.steps, result), str(integrator.form)
+    name = "Rodas5P" if solver is None else type(solver).__name__
+    return Motion(*rows, problem.driven, model, form, name, run.last.before.balance.share)
+
+
+def _refuse_by_cause(
+    motion: Motion,
+    start: Start,
+    problem: Problem,
+    integrator: Integrator,
+    times: Any,
+    asked: tuple[Drives, Loop],
+) -> None:
+    """Raise an error that names a function of time or a controller, if one of them made the integration fail."""
+    known, begun, known_problem = undifferentiated((motion, start, problem))
+    if is_concrete((known, known_problem, begun, integrator)):
+        _refuse_not_finite(known, *asked)
+        if int(motion.result) in CONTROLLER_MAY_FAIL:
+            _refuse_controller(known_problem, integrator, times, begun, known)
 
 
 def _records(
