@@ -49,7 +49,8 @@ def cross_pivot(
         ratio: Place of the crossing as a fraction of their length from the base, () [-].
         half_angle: Angle between a leaf spring and ``along``, () [rad].
         apart: Distance between the leaf springs along their width, in space only, () [m]. By default both lie in one
-            plane. This also models a pivot of three springs: a spring between two springs of half its width.
+            plane. This also models a pivot of three leaf springs: two parallel leaf springs of half the width, and one
+            between them that crosses both.
         name: See :func:`flexmb.blocks.parallel_guide`, also for at, along, y and element.
         at, along, y, element: The same.
 

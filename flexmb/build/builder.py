@@ -256,10 +256,10 @@ class Builder(Description):
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
         A rotation is an angle that counts past half and full turns. In space it is the angle about an axis, and the
-        node may turn about other axes. flexmb adds a hinge for this angle, from a FIXED rotation "frame of c" to the
-        rotation of node "c". The hinge is named "turn of c", and for a global axis "turn of c.rx". Its deformation 1 is
-        the angle. ``reaction`` and ``force_needed`` of the node return the moment that turns the node; the stress
-        resultant of the hinge has the opposite sign.
+        node may turn about other axes. flexmb adds a FIXED rotation, "frame of c", and a hinge. The hinge joins the
+        frame to the rotation of node "c", and measures the angle: its deformation 1. It is named "turn of c"; for a
+        global axis, "turn of c.rx". ``reaction`` and ``force_needed`` of the node return the moment that turns the
+        node; the stress resultant of the hinge has the opposite sign.
 
         Args:
             of: Name of a node or an element.
@@ -372,8 +372,8 @@ class Builder(Description):
             at: With ``step``: position of the origin of the file from the node, (2,) or (3,) [m]; by default the node.
 
         Raises:
-            ModelError: A mass that is not positive, an inertia that no body has, numbers beside a STEP file, a file
-                that is missing or has no solids.
+            ModelError: The mass is not positive. A principal moment of inertia is negative, or larger than the sum of
+                the others. Numbers are given beside a STEP file. The file is missing or has no solids.
             ImportError: build123d is not installed.
 
         Source:
@@ -429,8 +429,9 @@ class Builder(Description):
 
         Args:
             node: Name of the node.
-            force: Components along the global axes [N]. For a rotation: forces dual to its coordinates. For the
-                internal coordinates of an element: forces dual to these coordinates, from the first on.
+            force: Components along the global axes [N]. On a rotation: generalised forces, one for each of its
+                coordinates. On the internal coordinates of an element: generalised forces, from the first coordinate
+                on. The work is the generalised force times the change of its coordinate.
             increment: Whether the force belongs to the incremental loads.
             follower: Whether the force turns with the node's rotation; it then has no potential.
         """
@@ -541,8 +542,8 @@ class Builder(Description):
                 coefficient of thermal expansion.
             change: Change from the temperature of the undeformed mechanism, () [K]; or at the first and the last end,
                 linear in between, (2,) [K].
-            gradient: Gradient across the element: in space along local y and z, (2,); in the plane along the section's
-                local z, to the left on the way from the first end to the last, () [K/m]. None: zero.
+            gradient: Temperature gradient across the element [K/m]. In space: (2,), along local y and z. In the plane:
+                (), positive if the left side is warmer, seen from the first end to the last. None: zero.
             increment: Whether the change belongs to the incremental loads.
 
         Raises:
@@ -591,8 +592,9 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
-                space "rx", "ry" or "rz", a moment about this global axis at every state, or a motion about it.
+            component: Coordinate, or name or number (from 1) of a deformation. The rotation of a node in the
+                plane is "phi". In space, "rx", "ry" or "rz" means a moment about this global axis in every state, or
+                the rotation of a support about this axis.
             quantity: By default "force" on a coordinate, "moment" on a rotation in space, or "stress" in a deformation
                 that can change. A "stress" is a stress resultant of the element. A positive stress resultant acts
                 against its deformation, as in a stretched spring. For the motion of a support: "displacement",
@@ -604,9 +606,9 @@ class Builder(Description):
                 Euler parameters of the node are (1, 0, 0, 0).
 
         Raises:
-            ModelError: A node, element or component is unknown or an Euler parameter, the quantity does not exist, or
-                the label exists. :meth:`build` refuses a force on a FIXED or PRESCRIBED coordinate, and a motion of
-                any other coordinate.
+            ModelError: A node, element or component is unknown. The component is an Euler parameter. The quantity does
+                not exist. The label exists already. :meth:`build` refuses a force on a FIXED or PRESCRIBED coordinate,
+                and a motion of any other coordinate.
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
@@ -625,12 +627,12 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or name or number (from 1) of a deformation. For a rotation "phi" in the plane; in
-                space "rx", "ry" or "rz" about this global axis: the rotation, angular velocity, angular acceleration or
-                moment of a support. In linearised equations, a rotation is infinitesimal and counts from the state of
-                linearisation. In a simulation, it is a component of the sum of two rotation vectors: from the
-                undeformed mechanism to the start, and from the start to the present state. This component jumps at a
-                full turn; the angle of a hinge does not.
+            component: Coordinate, or name or number (from 1) of a deformation. The rotation of a node in the plane is
+                "phi". In space, "rx", "ry" or "rz" means the rotation, angular velocity or angular acceleration about
+                this global axis, or the moment of a support about it. In linearised equations, a rotation is
+                infinitesimal and counts from the state of linearisation. In a simulation, it is a component of the sum
+                of two rotation vectors: from the undeformed mechanism to the start, and from the start to the present
+                state. This component jumps at a full turn; the angle of a hinge does not.
             quantity: "position", "velocity" or "acceleration" of a coordinate or a rotation. "reaction" is the force or
                 moment of the support on a FIXED or PRESCRIBED coordinate. "deformation", "deformation rate",
                 "deformation acceleration" or "stress" of a deformation; the stress of a FIXED deformation is the
@@ -779,9 +781,9 @@ class Builder(Description):
         """Return the checked model.
 
         Args:
-            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom, and adds
-                only coefficients of spectral beams that they leave undetermined. Or a list of names, as in
-                ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
+            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom. If
+                they do not determine all coefficients of spectral beams, flexmb adds such coefficients. Or a list of
+                names, as in ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
             release: "auto" releases deformations until no over-constraint remains: first of elastic elements, then of
                 joints and supports. It needs ``check=True`` and positions of nodes that are not traced.
             check: Whether to check the number and the rank of the constraints; traced numbers are not checked.

@@ -87,7 +87,9 @@ class Description:
 
     @records_call
     def release(self, element: str, *deformations: int | str, kind: str | None = None) -> None:
-        """Let deformations of an element change (DEPENDENT), or FIXED coordinates of a node.
+        """Release deformations of an element, or FIXED coordinates of a node.
+
+        Released deformations may change: they become DEPENDENT.
 
         Args:
             element: Name of the element or of the node.
@@ -96,8 +98,8 @@ class Description:
             kind: "node" or "element", if both have the name; by default the element.
 
         Raises:
-            ModelError: No such deformation or coordinate; one that is PRESCRIBED or a degree of freedom; one of the
-                closure of a spectral beam by its number.
+            ModelError: The deformation or coordinate does not exist, is PRESCRIBED, or is a degree of freedom. A number
+                names a deformation of the closure of a spectral beam: use its name.
         """
         entries, name = nonempty_arguments("release", element, deformations), str(element)
         self._check_kind(kind)
@@ -137,8 +139,9 @@ class Description:
 
         Args:
             of: Name of a node or an element.
-            components: Coordinates ("x", "phi" or numbers) or deformations (names, or numbers from 1); in space "rx",
-                "ry" or "rz", the angle about this global axis: deformation 1 of a hinge, as for ``prescribe``.
+            components: Coordinates ("x", "phi" or numbers) or deformations (names, or numbers from 1). In space
+                also "rx", "ry" or "rz", the angle about this global axis. flexmb then adds a hinge, as for
+                ``prescribe``. The degree of freedom is deformation 1 of this hinge.
             kind: "node" or "element", if both have the name.
         """
         keys: list[Key] = []

@@ -85,8 +85,9 @@ def sweep(
         compiled separately.
 
     Raises:
-        ValueError: ``build`` does not accept a dimension or lacks one; numbers of designs differ; names collide; a pool
-            has forked processes; a checkpoint is damaged, in use, or belongs to another sweep (it stays unchanged).
+        ValueError: ``build`` does not accept a dimension, or needs an argument that is no dimension; numbers of designs
+            differ; names collide; a pool has forked processes; a checkpoint is damaged, in use, or belongs to another
+            sweep (it stays unchanged).
         ModelError, SpacarError: No design can be built.
         OSError: The checkpoint cannot be read or written.
 

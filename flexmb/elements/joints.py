@@ -135,8 +135,13 @@ screw = Element(
     released=(2,),
     names=("mismatch", "angle", "across_y", "across_z", "tilt_y", "tilt_z"),
 )
-"""Screw of body q in body p, about an axis through q: e1 displacement along the axis minus pitch times turn [m], FIXED;
-e2 turn, counted past full turns [rad]; e3 and e4 displacement across the axis [m] and e5 and e6 tilt [rad], FIXED.
+"""Screw of body q in body p, about an axis through q.
+
+Deformations:
+    e1: displacement along the axis minus pitch times turn [m], FIXED.
+    e2: turn [rad], counted past full turns.
+    e3, e4: displacements across the axis [m], FIXED.
+    e5, e6: tilts of the axis [rad], FIXED.
 
 Properties: axis (global, undeformed state), pitch (displacement per radian [m/rad]).
 """

@@ -164,20 +164,23 @@ leaf_spring = Element(
 )
 """A leaf spring that agrees with a solid model, one element for its whole length.
 
-In addition to a spectral beam it models shear and warping. Clamps restrain the warping, and neighbours share it. Near
-clamps it bends and stretches as a plate. Its middle flattens as its curvature grows, and twist causes tension in its
-edges. flexmb finds the clamped ends when it builds the model. An end is clamped if its rotation is held, and where it
-joins a rigid element, a hinge, a body or a part at least three times as thick. At a fold the section stays flat, and
-the legs share the warping.
+In addition to a spectral beam it models shear and warping. Clamps restrain the warping. Leaf springs that meet in a
+node share their warping. Near clamps the leaf spring bends and stretches as a plate. Its middle flattens as its
+curvature grows, and twist causes tension in its edges. flexmb finds the clamped ends when it builds the model. An end
+is clamped if its rotation is held, or if it joins a rigid element, a hinge, a body or a part at least three times as
+thick. At a fold the section stays flat.
 
-Deformations: 1 to 6 the closure at q, FIXED; 7 and 8 the twist rates of both ends times length [rad], from the warping
-coordinates of the nodes; then ``order`` coefficients of each strain, times length, as of ``spatial.spectral_beam`` with
-shear.
+Deformations:
+    1 to 6: the closure at q, FIXED.
+    7, 8: twist rates of the first and the last end, times length [rad]. The warping coordinates of the nodes determine
+        them.
+    From 9 on: ``order`` coefficients of each strain, times length, as of ``spatial.spectral_beam`` with shear.
+
 Properties: section, a :class:`flexmb.Rectangle`, constant or varying smoothly; damping; y (vector that fixes local y,
-along the width); clamped, whether the first end and the last are clamped, such as (True, False), instead of the ends
-that flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight
-cuts [rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic roots along and about local
-x, y, z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
+along the width); clamped, such as (True, False) if only the first end is clamped, in place of the clamped ends that
+flexmb finds; curvature, as of ``spatial.spectral_beam``; skew (angles between the cuts of both ends and straight cuts
+[rad], positive if the edge at +y lies further along x); clamp (stiffnesses of elastic roots along and about local x, y,
+z [N/m, N m/rad]: six for both ends, or a pair of six, None for a rigid end).
 Options: order, the number of coefficients of each strain, default 6. The third bending frequency of a cantilever is 2 %
 too high with order 5, and within 0.5 % with order 6.
 

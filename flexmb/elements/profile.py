@@ -40,8 +40,8 @@ class Profile(Section):
     be traced, so derivatives by every dimension work.
 
     Attributes:
-        function: ``f(place) -> Section`` or ``f(place, length) -> Section``, with the place from 0 at the first end to
-            1 at the last and the length of the beam [m]; the same kind of section everywhere.
+        function: ``f(place) -> Section`` or ``f(place, length) -> Section``. The place is 0 at the first end and 1 at
+            the last end. The length is the length of the beam [m]. The kind of section is the same everywhere.
         breaks: Places, in order, where the section or its slope jumps, or ``f(length)`` that returns them. Between
             breaks the section must be smooth.
 

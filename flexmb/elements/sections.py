@@ -407,8 +407,9 @@ def notch_circular(
 
     In beam theory the neck warps freely. A short neck between thick parts does not: a solid model (neck 0.3 mm, width
     10 mm, radius 5 mm) is eleven times as stiff in torsion. The other stiffnesses of a spectral beam with shear are
-    within 6 %. :func:`hinge_circular` includes the restrained warping. A row of 34 ``spatial.warping_beam``, shorter
-    near the neck and with the mean of 1/t^3, is 17 % too stiff in torsion; its other stiffnesses are within 6 %.
+    within 6 %. :func:`hinge_circular` includes the restrained warping. Instead, 34 ``spatial.warping_beam`` in a row
+    can model the notch, with shorter beams near the neck and the mean of 1/t^3 in each beam. This row is 17 % too stiff
+    in torsion. Its other stiffnesses are within 6 %.
 
     Args:
         width: Side of the bar along local y, () [m].

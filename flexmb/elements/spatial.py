@@ -196,9 +196,9 @@ beam = Element(
 Deformations:
     e1: elongation [m].
     e2: torsion [m]: angle of the end q relative to p about local x, times length.
-    e3, e4: bending along local z at p and at q [m]: angle of the axis from the chord, times length, negative about
-        local y at p, positive at q. In an arc e3 = e4.
-    e5, e6: bending along local y [m]: the same with local z in place of local y.
+    e3, e4: bending along local z at p and at q [m]: angle of the axis from the chord, times length. At p a rotation
+        about local y counts as negative, at q as positive. In an arc e3 = e4.
+    e5, e6: bending along local y at p and at q [m], with the same signs for rotations about local z.
 
 Properties:
     section: Without a section the beam is rigid and has no mass.

@@ -325,13 +325,18 @@ spectral_beam = Element(
 )
 """Geometrically exact beam; one element models a whole leaf spring in beam theory.
 
-Deformations: 1 to 3 the closure at q, FIXED: two displacements in axes of end p [m] and the angle [rad]; then ``order``
-coefficients of each strain, times length: elongation [m], curvature [rad], and with ``shear`` the shear [m]. The first
-coefficient of the curvature is the angle between the ends. Stress resultants of the closure are the force and moment at
-q.
-Properties: section (EA, EIy, mass, Jy; it may vary, see :class:`flexmb.sections.Profile`), damping, curvature (initial
-[1/m], positive counter-clockwise: a number for an arc from p to q, a function of the place, or
-:func:`flexmb.sections.curvature_through`).
+Deformations:
+    1 to 3: the closure at q, FIXED: two displacements in axes of end p [m], and the angle [rad]. Their stress
+        resultants are the force and moment at q.
+    From 4 on: ``order`` coefficients of each strain, times length: elongation [m], then curvature [rad], then, with
+        ``shear``, shear [m]. The first coefficient of the curvature is the angle between the ends.
+
+Properties:
+    section: EA, EIy, mass and Jy. It may vary, see :class:`flexmb.sections.Profile`.
+    damping: Viscous damping of the section.
+    curvature: Curvature of the undeformed beam [1/m], positive counter-clockwise. A number is an arc from p to q.
+        Otherwise it is a function of the place, or :func:`flexmb.sections.curvature_through`.
+
 Options: order, the number of coefficients of each strain, default 5; shear, whether shear deformation is counted,
 default False. Order 2 bends like a cubic beam. Order 5 computes a leaf spring at a large stroke to six digits. With
 shear the section must have a shear compliance.

@@ -105,8 +105,9 @@ def simulate(
         model: Mechanism; differentiable in ``model.parameters``.
         times: Ascending times of the result, (n_t,) [s]; the first is the start.
         initial: Start: an equilibrium (at rest), a configuration, or the end of another motion. None: the start values
-            of the builder, or the undeformed mechanism at rest. If driven coordinates start elsewhere or with a
-            velocity, the degrees of freedom and their rates keep these values, and the other coordinates follow.
+            of the builder, or the undeformed mechanism at rest. Driven coordinates may have other values or
+            velocities at the first time. Then the degrees of freedom and their rates keep their start values, and the
+            other coordinates follow from the constraints.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs, increment, jumps.
         loop: Controller around the mechanism: control, reference.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
@@ -132,8 +133,8 @@ def simulate(
 
     Warns:
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
-            flexmb chose; strain or imperfection stresses the start; a controller acts on a mechanism of 60 coordinates
-            or more.
+            flexmb chose; elements with a strain or an imperfection are stressed at the start; a controller acts on a
+            mechanism of 60 coordinates or more.
         FlexmbWarning: The energy changes without work by loads, dampers, controllers or prescribed motions. The change
             over the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
         CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.

@@ -211,8 +211,8 @@ def path(
     """Return the equilibrium path over the load factor from 0 to 1, past limit points.
 
     The factor multiplies the incremental loads; the other loads are constant. Without incremental loads it multiplies
-    all loads. Each step is a Newton solve in a plane across the path instead of at a given load. The load may therefore
-    decrease along the path.
+    all loads. Each step solves the equilibrium by Newton's method in a plane across the path. The load factor is one of
+    the unknowns, so that it may decrease along the path.
 
     Args:
         model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
@@ -223,8 +223,8 @@ def path(
             - ``{"tip.y": -5e-3}``: a displacement from the undeformed mechanism [m, rad].
             - ``{"stress": 300e6}``: the largest von Mises stress of ``fm.stress`` [Pa].
             - ``{"critical_points": 2}``: the number of critical points.
-            - ``{"load_factor": 2.0}``: a load factor [-]. A factor above 1 makes the path longer. Another factor ends
-              the path there, such as 0 after the load has turned back.
+            - ``{"load_factor": 2.0}``: a load factor [-]. A factor above 1 extends the path beyond 1. The path ends at
+              any other factor too, such as at 0 after the load factor has decreased.
             - ``{"frequency 1": 5.0}`` [Hz] and any other quantity of :meth:`Path.along`: the path ends where the
               quantity passes the value.
         switch: Bifurcations at which the path changes to the other branch, by their number along the path from 1, and
@@ -235,7 +235,8 @@ def path(
             buckling mode, by its number from 1, such as ``{1: 1e-6}``. The modes are the modes of ``fm.buckling`` about
             the first state of the path, for the increasing loads. A positive imperfection increases the coordinate with
             the largest displacement. A motion of ``path.model`` starts in this shape, and start values count from this
-            shape. After a path by sparse matrices without start values, give the start of the motion as ``initial``.
+            shape. A path by sparse matrices adds no start to a model without start values. Such a motion needs
+            ``initial``.
         progress: True for a progress bar, or a function of the number of states and the load factor, called before each
             step. A keyboard interruption then ends the path with the states found so far and ``result`` stopped.
         sparse: True is ``solver="sparse"``, False ``solver="dense"``.
@@ -248,9 +249,9 @@ def path(
     Returns:
         Path with x (steps, n_x) [m, rad, -], e and sigma (steps, n_e) [m, rad; N, N m], the matrices, eigenvalues and
         load multipliers at each step, and the critical points. ``stopped_by`` is the condition of ``stop`` that the
-        last step meets: a coordinate and a load factor to round-off, a stress to 1e-9 of its value. flexmb checks
-        displacements and load factors at the ends of steps and at extremes between them. It checks other quantities at
-        the ends of steps only.
+        last step meets. It meets a coordinate or a load factor to round-off, and a stress to 1e-9 of its value. flexmb
+        checks displacements and load factors at the ends of steps and at extremes between them. It checks other
+        quantities at the ends of steps only.
 
     Warns:
         FlexmbWarning: The path ended without meeting ``stop``, or without a bifurcation that ``switch`` names.
