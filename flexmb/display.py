@@ -143,16 +143,16 @@ class Labelled(Result):
     """Base class of results that become arrays of xarray and tables of pandas, with names and units."""
 
     def quantities_by_name(self) -> Quantities | None:
-        """What it holds; None where it holds states, which answer questions."""
+        """Quantities of the result by name; None for a result with states, which answer questions."""
         return None
 
     def to_xarray(self, *names: str) -> Any:
-        """An ``xarray.Dataset`` with coordinates, and units in ``attrs["units"]`` ("1" of what has none).
+        """Return an ``xarray.Dataset`` with coordinates; units are in ``attrs["units"]``, "1" for no unit.
 
         Args:
-            names: Names of the quantities that are wanted; all of them unless given. A result with states (path,
-                motion, equilibria) is asked questions, such as "top.x", "reaction foot.x" or "frequency 1"; without
-                names it gives the coordinates of its nodes.
+            names: Names of the wanted quantities; by default all. For a result with states (path, motion, equilibria),
+                names are questions, such as "top.x", "reaction foot.x" or "frequency 1". The default is then the
+                coordinates of all nodes.
 
         Raises:
             ImportError: xarray is not installed.
@@ -161,7 +161,7 @@ class Labelled(Result):
         return importlib.import_module("flexmb.answers.labelled").to_xarray(self, names)
 
     def to_pandas(self, *names: str) -> Any:
-        """A ``pandas.DataFrame`` with one row a state, frequency or design; units of the columns in ``attrs["units"]``.
+        """Return a ``pandas.DataFrame`` with one row per state, frequency or design; units are in ``attrs["units"]``.
 
         Args:
             names: As of :meth:`to_xarray`.

@@ -205,7 +205,7 @@ collected = _CODES.collecting
 
 
 def check(result: Any, throw: bool, about: str = "") -> None:
-    """Raise AnalysisError for a failure among codes, () or a batch; traced codes are collected.
+    """Raise AnalysisError if a code, () or a batch, is a failure; collect traced codes.
 
     Codes in ``ANSWERED`` are successes. ``throw=False`` does nothing. ``about`` is added to the message.
     """
@@ -231,10 +231,10 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
 
 def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
-    """A traced answer that is NaN on failure, with NaN derivatives by the numbers ``of``, since a trace cannot raise.
+    """A traced answer that is NaN after a failure, since a trace cannot raise.
 
-    The answer is unchanged if codes are collected or with ``throw=False``. For a batch of codes, each array has the
-    batch as its first axis.
+    Derivatives with respect to the numbers ``of`` are then NaN too. The answer is unchanged if codes are collected, and
+    with ``throw=False``. For a batch of codes, each array has the batch as its first axis.
     """
     import jax.core
     import jax.numpy as jnp

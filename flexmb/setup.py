@@ -80,8 +80,8 @@ def enable_cache(folder: str | os.PathLike | None = None, *, thorough: bool = Tr
     Args:
         folder: Folder for this purpose alone, which belongs to you and to which no one else can write; by default
             :func:`cache_folder`.
-        thorough: Compile code that runs in half the time and takes twice as long to compile. This pays off for kept
-            code.
+        thorough: Compile with optimisation. Compiled code then runs in half the time, and the compilation takes twice
+            as long. This is worthwhile for code that is stored on disk.
 
     Returns:
         The folder.

@@ -158,7 +158,7 @@ class Builder(Description):
         Args:
             element: Element type, such as ``planar.beam``, or a bare deformation function.
             nodes: One name for each end, or one name for each positional parameter of the element. The name of an end
-                refers to its position, rotation and warping, as the element needs them.
+                refers to its position, and to its rotation and warping if the element needs them.
             name: Its name; by default the type and a number.
             released: Names or numbers (from 1) of the deformations that may change, or "all". The others are FIXED, at
                 zero or at their thermal value. The name of a strain field releases all of its coefficients. By default
@@ -592,9 +592,9 @@ class Builder(Description):
 
         Args:
             of: Name of a node or an element.
-            component: Coordinate, or name or number (from 1) of a deformation. The rotation of a node in the
-                plane is "phi". In space, "rx", "ry" or "rz" means a moment about this global axis in every state, or
-                the rotation of a support about this axis.
+            component: Coordinate, or name or number (from 1) of a deformation. A rotation in the plane is "phi". A
+                rotation in space is "rx", "ry" or "rz", and the input is then a moment or a motion about this global
+                axis, in every state.
             quantity: By default "force" on a coordinate, "moment" on a rotation in space, or "stress" in a deformation
                 that can change. A "stress" is a stress resultant of the element. A positive stress resultant acts
                 against its deformation, as in a stretched spring. For the motion of a support: "displacement",
@@ -606,9 +606,9 @@ class Builder(Description):
                 Euler parameters of the node are (1, 0, 0, 0).
 
         Raises:
-            ModelError: A node, element or component is unknown. The component is an Euler parameter. The quantity does
-                not exist. The label exists already. :meth:`build` refuses a force on a FIXED or PRESCRIBED coordinate,
-                and a motion of any other coordinate.
+            ModelError: A node, element or component is unknown, the component is an Euler parameter, the quantity does
+                not exist, or another signal has this label. :meth:`build` refuses a force on a FIXED or PRESCRIBED
+                coordinate, and a motion of any other coordinate.
         """
         self._add_signal("input", name, self._signal("input", of, component, quantity, kind, local))
 
@@ -781,9 +781,9 @@ class Builder(Description):
         """Return the checked model.
 
         Args:
-            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom. If
-                they do not determine all coefficients of spectral beams, flexmb adds such coefficients. Or a list of
-                names, as in ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
+            dofs: "auto" finds degrees of freedom if none are named. "named" uses the named degrees of freedom. If these
+                leave coefficients of spectral beams undetermined, it adds these coefficients. Or a list of names, as in
+                ``model.q_labels``: "top.x", "top.rotation.phi", "hinge.e2".
             release: "auto" releases deformations until no over-constraint remains: first of elastic elements, then of
                 joints and supports. It needs ``check=True`` and positions of nodes that are not traced.
             check: Whether to check the number and the rank of the constraints; traced numbers are not checked.
@@ -793,8 +793,8 @@ class Builder(Description):
 
         Raises:
             ModelError: There are no elements; a force input acts on a FIXED or PRESCRIBED coordinate; a motion input or
-                a reaction belongs to a coordinate that is neither; deformations are not zero in the undeformed
-                mechanism.
+                a reaction belongs to a coordinate that is neither FIXED nor PRESCRIBED; deformations are not zero in
+                the undeformed mechanism.
             MechanismError: The mechanism is over- or under-constrained; the number of degrees of freedom does not agree
                 with the constraints; named degrees of freedom cannot move or do not determine the position; too_large:
                 the mechanism is too large to be checked.
@@ -804,7 +804,7 @@ class Builder(Description):
                 element has rigidities that it does not use, and lacks a rigidity that it needs; an automatic release
                 has no effect at some position of the mechanism.
             FlexmbWarning: Lengths or material constants are off by a factor of a unit, such as lengths in millimetres.
-            BeamTheoryWarning: Plain beams neglect shear or restrained warping of more than 1 % of a stiffness.
+            BeamTheoryWarning: Plain beams neglect shear or restrained warping. The effect on a stiffness exceeds 1 %.
         """
         if not isinstance(dofs, str):
             return self.with_dofs(dofs).build(dofs="named", release=release, check=check)

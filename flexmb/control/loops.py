@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = None) -> Feedback | Sampled:
-    """Return a controller with limited outputs, like an amplifier's, and with integrators that do not wind up.
+    """Return a controller with limited outputs, as of an amplifier, and with integrators that do not wind up.
 
     Beyond the limits the integrators of a linear controller are corrected, so that their outputs follow the limit with
     the time constant ``tracking``: z' = A z + B y + V (C V)^+ (sat(u) - u)/T, with the eigenvectors V of the
@@ -28,8 +28,8 @@ def saturated(controller: Any, limits: ArrayLike, *, tracking: float | None = No
     Other states do not change.
 
     Args:
-        controller: Any ``control`` of :func:`flexmb.simulate`. For your own :class:`flexmb.motion.Feedback` or Sampled,
-            ``windup`` is the correction.
+        controller: Any ``control`` of :func:`flexmb.simulate`. A :class:`flexmb.motion.Feedback` or Sampled of your own
+            defines the correction by ``windup``.
         limits: Largest absolute value of all outputs, or smallest and largest value of each, (n_u, 2) [N, N m].
         tracking: Time constant T [s]; ``np.inf`` lets integrators wind up. Required for a controller with integrators;
             otherwise not allowed.
@@ -215,7 +215,7 @@ def _scheduled_systems(times: Float[Array, "n_t"], systems: Sequence[Any]) -> Fe
 
 
 def delayed(controller: Any, delay: float, *, order: int | None = None) -> "control.StateSpace":
-    """Return a linear controller with delayed outputs, such as by computing, buses and amplifiers.
+    """Return a linear controller with delayed outputs. Computing, buses and amplifiers cause such delays.
 
     A sampled controller is delayed exactly, by whole samples; each adds one state per output. A continuous one is
     delayed by the Pade approximant of ``control.pade``, numerator and denominator of the same order n: its gain is one

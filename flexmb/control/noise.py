@@ -157,8 +157,8 @@ def noise_budget(
             motion of a floor. Or "sensor " and the name of an output, for noise added to the controller's reading.
         band: Lowest and highest frequency [Hz]. flexmb chooses frequencies densely near each pole, and where a density
             function bends or jumps. A band from 0 Hz starts at 1e-4 of the slowest pole. flexmb finds a peak of a
-            density if it extends 1e-3 of its frequency to each side. For narrower peaks, and for densities that
-            ``jax.jit`` traces, use ``hertz``.
+            density if the peak extends at least 1e-3 of its frequency to each side. For narrower peaks, and for
+            densities that ``jax.jit`` traces, use ``hertz``.
         controller: A continuous system of python-control, a tuple of its A, B, C and D, a matrix of gains (n_driven,
             n_measured), or a function of frequencies, (n_f,) [Hz], that returns (n_f, n_driven, n_measured), or (n_f,)
             for one output and one input. Matrices and results of functions may be traced. If the controller is a

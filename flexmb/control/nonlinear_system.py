@@ -158,7 +158,7 @@ def to_nonlinear_system(
 
     States are the degrees of freedom, counted from the undeformed mechanism, and their rates. Inputs and outputs are
     the ones named in the builder. Rotations in space count from the undeformed mechanism. Each evaluation solves for
-    the other coordinates, starting from the last evaluation, in steps if the change is large.
+    the other coordinates, starting from the last evaluation. If the change is large, it solves in several steps.
 
     Most mechanisms are stiff: their fastest vibration is much faster than the motion. The default method of
     ``control.input_output_response``, RK45, takes steps as short as this vibration. Pass ``solve_ivp_method="Radau"``,

@@ -467,8 +467,8 @@ def to_statespace(
     """Return the linearised mechanism as a ``control.StateSpace`` with names of states, inputs and outputs.
 
     Args:
-        model: Mechanism, or its linearisation; of a motion the linearisation at one time, ``lin.at_time(0)``. The
-            damping comes from the elements, or from :func:`flexmb.damped`.
+        model: Mechanism, or its linearisation. From a linearisation along a motion, choose one time:
+            ``lin.at_time(0)``. The damping comes from the elements, or from :func:`flexmb.damped`.
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
         modes: Number of the lowest modes to keep, or their numbers, from 0; see :func:`state_matrices`. Use few states
             for controller design: python-control cannot compute margins with many stiff states.
@@ -478,10 +478,11 @@ def to_statespace(
     Returns:
         control.StateSpace with the matrices of :func:`state_matrices`. With kept modes it has an attribute
         ``truncation_error``, (n_y, n_u) [-]: largest error of the response of each output to each input, up to
-        ``bandwidth`` or the highest mode kept. The reference has all modes. It is computed at 120 frequencies over two
-        decades and beside each mode; with sparse matrices at 40 frequencies and at two beside each mode. The difference
-        is divided by the full response at the frequency, or by its median within half an octave to both sides if this
-        is larger. An antiresonance therefore does not count.
+        ``bandwidth`` or the highest mode kept. The reference has all modes. flexmb computes the error at 120
+        frequencies over two decades, and at four frequencies beside each mode. With sparse matrices these are 40
+        frequencies, and two beside each mode. The difference of the responses is divided by the response with all
+        modes. If the median of this response within half an octave to both sides is larger, the median is the divisor.
+        An antiresonance therefore does not count.
 
     Raises:
         ModelError: The model names no inputs or no outputs, an output needs a rate of an input, or an input moves

@@ -71,8 +71,8 @@ def sweep(
 
             - the designs, the names and ``compiled``;
             - the model of the first design that can be built, with all its numbers;
-            - ``build`` and the answers: their code, defaults, captured values, and the numbers, texts and arrays of
-              their module that they use;
+            - the functions ``build`` and answers: their code, their defaults and their captured values. Numbers, texts
+              and arrays of their module are included if a function uses them;
             - the answers of one chunk (eight designs with ``compiled=False``), which it computes again. They must agree
               to 1e-6 of the largest value of an answer.
         progress: True for a bar, or a function called with the number of designs done and of all.
@@ -85,9 +85,9 @@ def sweep(
         compiled separately.
 
     Raises:
-        ValueError: ``build`` does not accept a dimension, or needs an argument that is no dimension; numbers of designs
-            differ; names collide; a pool has forked processes; a checkpoint is damaged, in use, or belongs to another
-            sweep (it stays unchanged).
+        ValueError: ``build`` does not accept a dimension or lacks one; dimensions have different numbers of designs;
+            two answers, or a dimension and an answer, have the same name; a pool has forked processes; a checkpoint is
+            damaged, in use, or belongs to another sweep (it stays unchanged).
         ModelError, SpacarError: No design can be built.
         OSError: The checkpoint cannot be read or written.
 

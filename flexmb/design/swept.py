@@ -25,7 +25,8 @@ class Sweep(Labelled):
     """Answers of many designs.
 
     Attributes:
-        designs: Dimensions by name, each (designs, ...) [SI]; ``designs.axes`` of a grid.
+        designs: Dimensions by name, each (designs, ...) [SI]. ``designs.axes`` contains the values along each axis of a
+            grid.
         answers: Answers by name, each (designs, ...), NaN for failed designs [their units].
         codes: Code of RESULTS of every design, (designs,).
         units: Units by name, as given.
@@ -221,7 +222,8 @@ class Front(Labelled):
 
     Attributes:
         whole: Sweep with all designs.
-        rows: Numbers in ``whole`` of the designs on the front, from 0, (front,); the best in the first criterion first.
+        rows: Indices of the designs on the front in ``whole``, from 0, (front,). The first design is the best in the
+            first criterion.
         criteria: "minimize" or "maximize" by name.
         left_out: Number of designs without answers.
     """

@@ -91,10 +91,10 @@ def tune(
             feasible design with a table of all combinations. With choices, ``dimensions`` may be empty.
         targets: Values to approach, by name of the answer: least squares of the relative differences. A target is
             missed if its relative difference exceeds 100 times ``tolerance``, or a tenth if there are more targets than
-            dimensions. ``reason`` names missed targets. With `minimize`, the objective is this answer, divided by the
-            absolute value of the answer at the start, plus half the sum of the squared differences of the targets.
-            `maximize` reverses the sign of the answer. For a curve, such as forces over a stroke from
-            ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its largest value.
+            dimensions. ``reason`` names missed targets. With `minimize` or `maximize`, the objective has two terms: the
+            named answer divided by its value at the start, and half the sum of the squares. For a curve, such as forces
+            over a stroke from ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its
+            largest value.
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
@@ -124,8 +124,8 @@ def tune(
 
     Returns:
         Tuned with dimensions and answers by name, and with ``choices`` and ``combinations`` if choices are given.
-        The objectives of all combinations are relative to the same answers: the answers at the start of the first
-        combination that has answers.
+        Objectives of all combinations are relative to the same answers: at the start of the first combination that has
+        answers.
 
     Raises:
         ValueError: A statistic needs ``scatter``, or "yield" needs ``acceptable``. There are too many combinations.

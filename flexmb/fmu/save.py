@@ -170,7 +170,7 @@ class Fmu(NamedTuple):
         inputs: Inputs in order, each with name, unit and start value.
         outputs: Outputs likewise.
         states: States likewise.
-        parameters: Parameters that importers can set, arrays whole.
+        parameters: Parameters that importers can set; an array is one parameter.
         binary: Place in the file of the library for this platform; None if the file has only sources.
     """
 
@@ -216,7 +216,8 @@ def save_fmu(
 
     In co-simulation the inputs are constant during each step:
 
-    - A linear plant moves exactly, by a matrix exponential, which the unit stores for steps of the same length.
+    - The solution of a linear plant is exact, by a matrix exponential. The unit stores this matrix for further steps of
+      the same length.
     - A time-varying plant moves by a Magnus series of fourth order, in substeps that end at the knots.
     - A nonlinear plant moves by a Rosenbrock method of order five, with the importer's relative tolerance or 1e-6.
       The tolerance is relative to the size of a state, but at least to a millimetre or a milliradian. Each step
@@ -255,7 +256,7 @@ def save_fmu(
         ValueError: The path has another ending, the version does not exist, an argument does not belong to this system,
             or the state space is sampled. FMI forbids a name, or two variables of the unit have the same name.
         ModelError: As :func:`flexmb.to_statespace`; for a nonlinear unit, an element or a function of time calls back
-            to Python or has no translation, or a simulation has no such output.
+            to Python or has no translation, or a simulation cannot compute an output.
         TypeError: The system has another type.
         OSError: The file cannot be written.
 

@@ -495,7 +495,8 @@ def linearize(
 
     Returns:
         Linearization with the equilibrium x, e, sigma, the matrices M0, C0, D0, K0, N0, G0, (n_q, n_q) [SI], and the
-        transfer functions DFx (n_x, n_q) and DFe (n_e, n_q); with ``sparse`` it has ``sparse()`` instead.
+        transfer functions DFx (n_x, n_q) and DFe (n_e, n_q). With ``sparse``, its method ``sparse()`` returns the
+        matrices instead.
 
     Raises:
         AnalysisError: The equilibrium was not found or the configuration is singular.

@@ -157,8 +157,9 @@ def frequencies(
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.
 
     Returns:
-        (n_q,) or (count,) [Hz], ascending; negative if the state is unstable in this motion, infinite for motions
-            without mass. About a state of motion the frequencies include K0 + N0 + G0 and M0, but not C0 and D0.
+        (n_q,) or (count,) [Hz], ascending. A frequency is negative if omega^2 is negative: the state is then unstable
+        in this motion. It is infinite for a motion without mass. About a state of motion the frequencies include K0 +
+        N0 + G0 and M0, but not C0 and D0.
             Complex frequencies are NaN, and frequencies about a state of motion cannot be traced; see :func:`poles`.
 
     Raises:

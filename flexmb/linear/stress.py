@@ -124,8 +124,8 @@ class Stress(Labelled, Record):
         strength: Strength of the material, (elements, places) [Pa]; infinite for a material without a strength, None if
             no material has a strength.
         fatigue: Fatigue limit of the material, in the same form [Pa].
-        across: Normal stress along the surface across the element, as in leaf springs near clamps, (elements, places,
-            8) [Pa]; None if no element has any.
+        across: Normal stress transverse to the element, in its surface, as in leaf springs near clamps, (elements,
+            places, 8) [Pa]; None if no element has such a stress.
         left_out: Names of the flexible elements without stress, whose section is given by its rigidities.
     """
 

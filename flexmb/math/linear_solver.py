@@ -33,7 +33,7 @@ class FactoredEquations(Protocol):
         ...
 
     def negative(self) -> int | None:
-        """Number of negative eigenvalues of a symmetric A where D v = 0; None where the factors do not determine it."""
+        """Count negative eigenvalues of a symmetric A in the space D v = 0; None if the factors do not determine it."""
         ...
 
 

@@ -40,7 +40,7 @@ class Passing(Record):
     Attributes:
         conditions: Conditions of time and state alone; others are evaluated where steps end.
         directions: Whether each counts when it rises (True), falls (False), or both (None).
-        controls: Number of states of a controller, the last of the velocities.
+        controls: Number of states of a controller, which are the last entries of the velocities.
     """
 
     conditions: tuple[EventCondition, ...]

@@ -38,17 +38,18 @@ class Integrator(Record):
               unknowns, but fails at a dead point. Not with explicit solvers.
             - "chain": all coordinates of many elements, without dense matrices. Not differentiable in reverse mode if
               loads jump or an event ends the motion.
-            - None: "chain" for many beams, else "tree", if they apply; otherwise "coordinates".
-        rtol: Largest error of a displacement in one step, relative to the greatest displacement so far or half the
-            mechanism's extent (half a radian), whichever is larger. The accumulated error is of the same size if the
-            motion is damped or short, otherwise larger (``benchmarks/stability.py``). Use a smaller value for small
-            deformations beside a large motion. Without work by a force, a step may gain or lose at most 3 rtol of the
-            greatest kinetic plus elastic energy.
+            - None: "chain" for a large mechanism or a long chain, "tree" for such spectral beams, if the form applies;
+              otherwise "coordinates".
+        rtol: Largest relative error of a displacement in one step. The error is divided by the greatest displacement so
+            far, but at least by half the extent of the mechanism (for rotations, half a radian). The accumulated error
+            is of the same size if the motion is damped or short, otherwise larger (``benchmarks/stability.py``). Use a
+            smaller value for small deformations beside a large motion. Without work by a force, a step may gain or lose
+            at most 3 rtol of the greatest kinetic plus elastic energy.
         atol: Allowed error at zero displacement, as a share of the extent, or in radians; by default just above
             round-off.
         solver: Solver of diffrax or of flexmb. flexmb has ``Rodas5P()`` for stiff motion (default), and, with fixed
             steps, ``GeneralizedAlpha()`` and ``EnergyKeeping()``.
-        controller: Step size controller of diffrax, in place of the control by rtol and atol or of fixed steps.
+        controller: Step size controller of diffrax. It replaces the control by rtol and atol, or the fixed steps.
         dt0: First step, or the fixed step [s].
         adjoint: Adjoint of diffrax: reverse mode by default, forward mode with ``diffrax.ForwardMode()``.
         event: Event of diffrax that ends the motion; rows of later times are not finite. Without a root finder the

@@ -62,10 +62,10 @@ class Motion(ByName, Along, Labelled, Record):
         model: Mechanism.
         form: Form of the equations.
         solver: Name of the solver.
-        energy_error: Greatest energy gained or lost without work by a force, over the greatest kinetic plus elastic
-            energy, () [-]. NaN if not computed: for ``form="chain"``, fixed steps, your own ``controller``, or zero
-            energy. With a ``solver`` other than ``Rodas5P()`` it is computed only for elements with laws, without
-            prescribed motion or controller.
+        energy_error: Greatest energy gained or lost without work by a force, divided by the greatest kinetic plus
+            elastic energy, () [-]. NaN if not computed: for ``form="chain"``, fixed steps, your own ``controller``, or
+            zero energy. With a ``solver`` other than ``Rodas5P()``, flexmb computes it only if elements have laws and
+            there is neither a prescribed motion nor a controller.
     """
 
     t: Float[Array, "n_t"]

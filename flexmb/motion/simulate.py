@@ -105,16 +105,16 @@ def simulate(
         model: Mechanism; differentiable in ``model.parameters``.
         times: Ascending times of the result, (n_t,) [s]; the first is the start.
         initial: Start: an equilibrium (at rest), a configuration, or the end of another motion. None: the start values
-            of the builder, or the undeformed mechanism at rest. Driven coordinates may have other values or
-            velocities at the first time. Then the degrees of freedom and their rates keep their start values, and the
-            other coordinates follow from the constraints.
+            of the builder, or the undeformed mechanism at rest. If driven coordinates start at other positions or with
+            a velocity, the degrees of freedom and their rates keep their values of this start. The other coordinates
+            follow.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs, increment, jumps.
         loop: Controller around the mechanism: control, reference.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
             max_steps.
         progress: True for a progress bar, or a function of the number of parts done and of all parts. flexmb cuts the
-            time into about fifty parts. A keyboard interruption ends the simulation with the times reached and
-            ``result`` stopped.
+            time into about fifty parts. A keyboard interruption ends the simulation. The motion then contains the times
+            reached, and ``result`` is stopped.
         throw: Raise if the simulation fails; otherwise the code is in ``result``.
         keywords: Attributes of :class:`Drives`, :class:`Loop` and :class:`Integrator`; they override
             the attributes of a record.
@@ -129,14 +129,14 @@ def simulate(
             input moves nothing, or no coordinate is free.
         AnalysisError: singular_mass, step_too_small, step_too_large, motion_unfinished or ran_away; out_of_reach: the
             mechanism cannot be assembled at the first values that drive it; not_finite: a function of time or a
-            controller returns a number that is not finite, with its name and the time.
+            controller returns a number that is not finite; the message contains its name and the time.
 
     Warns:
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
-            flexmb chose; elements with a strain or an imperfection are stressed at the start; a controller acts on a
-            mechanism of 60 coordinates or more.
+            flexmb chose; a strain or an imperfection causes stress at the start; a controller acts on a mechanism of 60
+            coordinates or more.
         FlexmbWarning: The energy changes without work by loads, dampers, controllers or prescribed motions. The change
-            over the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
+            divided by the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
         CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
 
     Source:

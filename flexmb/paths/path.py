@@ -60,11 +60,12 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), ascending, (steps, n) [rad^2/s^2]; real parts if they are
             complex; infinite for a motion without mass.
         multipliers: Load multipliers of linear buckling about each step, sorted by magnitude, with sign, (steps, n_q)
-            [-]. They scale all loads at that step, or additional incremental loads. Infinite if the load has no effect.
+            [-]. A multiplier scales all loads of the step; with incremental loads it scales additional incremental
+            loads. Infinite if the load has no effect.
         stable: Whether each step is stable, (steps,): all eigenvalues are positive. For loads without a potential they
             must also be real; with damping, no pole may have a positive real part.
-        critical_points: Limit and bifurcation points in the order of the path. Their uncertainty is not zero if flexmb
-            did not find the state itself.
+        critical_points: Limit and bifurcation points in the order of the path. The uncertainty of a point is zero if
+            flexmb found the critical state itself.
         result: Code of RESULTS.
         model: The mechanism, with its imperfections.
         stopped_by: Name of the condition of ``stop`` that ended the path at its last step, or None.
@@ -211,8 +212,8 @@ def path(
     """Return the equilibrium path over the load factor from 0 to 1, past limit points.
 
     The factor multiplies the incremental loads; the other loads are constant. Without incremental loads it multiplies
-    all loads. Each step solves the equilibrium by Newton's method in a plane across the path. The load factor is one of
-    the unknowns, so that it may decrease along the path.
+    all loads. In each step, Newton's method searches in a plane across the path, not at a given load. The load may
+    therefore decrease along the path.
 
     Args:
         model: Mechanism, with concrete numbers; for derivatives see ``equilibrium`` and ``limit_load``.
@@ -223,8 +224,8 @@ def path(
             - ``{"tip.y": -5e-3}``: a displacement from the undeformed mechanism [m, rad].
             - ``{"stress": 300e6}``: the largest von Mises stress of ``fm.stress`` [Pa].
             - ``{"critical_points": 2}``: the number of critical points.
-            - ``{"load_factor": 2.0}``: a load factor [-]. A factor above 1 extends the path beyond 1. The path ends at
-              any other factor too, such as at 0 after the load factor has decreased.
+            - ``{"load_factor": 2.0}``: a load factor [-]. The path ends at this factor, also at a factor above 1, or at
+              0 after the load has turned back.
             - ``{"frequency 1": 5.0}`` [Hz] and any other quantity of :meth:`Path.along`: the path ends where the
               quantity passes the value.
         switch: Bifurcations at which the path changes to the other branch, by their number along the path from 1, and

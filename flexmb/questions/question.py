@@ -28,7 +28,8 @@ class Question:
         takes: Kinds of the words after the name, which are joined by points: "number", "element", or "node" and "axis".
             A first word with a question mark, such as "element?", may be omitted.
         value: Function of a state and of the words after the name. A state is a Model at its equilibrium or a
-            Linearization; with ``of_many`` also a path or a motion, whose states are then the first axis of the value.
+            Linearization; with ``of_many`` also a path or a motion. The first axis of the value is then the axis of the
+            states.
         unit: SI unit, or a function of the words after the name and of the mechanism's labels, if they are known.
         label: Label of an axis of a picture; by default the text of the question.
         kind: Common label of several such questions in a picture, such as "energy"; by default the name.
@@ -52,7 +53,7 @@ class Question:
 
 @functools.cache
 def questions() -> dict[str, Question]:
-    """All questions by name, longer names first: "stress resultant" is no "stress"."""
+    """All questions by name. Longer names are first, so that "stress resultant" is not read as "stress"."""
     folder = importlib.import_module(str(__package__))
     modules = [importlib.import_module(f"{__package__}.{file.name}") for file in pkgutil.iter_modules(folder.__path__)]
     every = [question for module in modules for question in getattr(module, "QUESTIONS", ())]

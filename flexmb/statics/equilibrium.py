@@ -83,7 +83,7 @@ class Equilibrium(ByName, Result, Record):
         x: Nodal coordinates, (n_x,) [m, rad, -].
         e: Deformations, (n_e,) [m, rad].
         sigma: Stress resultants; for FIXED deformations the constraint force, (n_e,) [N, N m].
-        felt: Gravity, distributed along the elements.
+        felt: Gravity, which acts on the mass along the elements.
         reactions: Force of the supports on the mechanism, dual to x, (n_x,) [N, N m]; zero without a support.
         external: Loads except weight, plus reactions, dual to x, (n_x,) [N, N m].
         iterations: Newton iterations of all load steps.
@@ -219,7 +219,7 @@ def equilibrium(
         Equilibrium with x (n_x,) [m, rad, -], e and sigma (n_e,) [m, rad; N, N m], reactions (n_x,) [N, N m].
 
     Raises:
-        AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try.
+        AnalysisError: singular_configuration, singular_stiffness or not_converged. The message states what to try.
         ValueError: A factor is not finite, there are no incremental loads, or ``sparse`` contradicts ``solver``.
 
     Warns:

@@ -158,8 +158,8 @@ def equilibria(
     Raises:
         ValueError: Factors are not finite, or neither argument is a list of factors.
         ModelError: There are no incremental loads.
-        AnalysisError: singular_configuration, singular_stiffness or not_converged, with what to try; not_converged
-            beyond a limit load; ``fm.path`` can pass it.
+        AnalysisError: singular_configuration, singular_stiffness or not_converged. The message states what to try.
+            Beyond a limit load the code is not_converged; ``fm.path`` can pass a limit load.
 
     Warns:
         FlexmbWarning: There are incremental loads, and ``increment`` is not given; or some states are not stable.

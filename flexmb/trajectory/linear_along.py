@@ -412,8 +412,8 @@ def time_varying(along: Any) -> TimeVarying:
             degrees of freedom do not determine the configuration at some time.
 
     Warns:
-        FlexmbWarning: One input moves several coordinates, such as two supports, which do not move together along the
-            motion.
+        FlexmbWarning: One input moves several coordinates, such as two supports, but these coordinates move differently
+            along the motion.
 
     Source:
         THEORY.md 6, eq. (6.4) and (6.5), 7, eq. (7.7), and 14, eq. (14.20).

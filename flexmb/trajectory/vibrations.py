@@ -250,7 +250,8 @@ def perturbation(
 
     Raises:
         TypeError: The argument is neither a Nominal nor a Motion.
-        ValueError: Sizes do not agree; a degree of freedom is unknown, or all of them are held; there are fewer modes.
+        ValueError: Sizes do not agree; a degree of freedom is unknown, or all of them are held; ``modes`` exceeds the
+            number of degrees of freedom.
         AnalysisError: The degrees of freedom do not determine the configuration at a time, or between two times.
 
     Warns:
