@@ -50,10 +50,10 @@ SCRIPTS = (
     "stability",
 )
 # These measure nothing, or the processor's time of their own process in calls of ten milliseconds and more, which
-# another process changes little (calls of one millisecond take half as long again beside one): as many of them run at
-# once as there are cores, those first that take longest.
+# another process changes little (calls of one millisecond take up to 1.7 times as long beside one). As many of them
+# run at once as there are cores, those first that take longest.
 BESIDE = ("motion", "swing", "nets", "chains", "size", "along", "convergence", "operations")
-# These run only when named: CalculiX takes half an hour, a thousand fits and measured structures some minutes,
+# These run only when named: CalculiX takes an hour, a thousand fits and measured structures some minutes,
 # and what others are compared with is kept.
 NAMED = ("solid", "solutions", "fits", "measured")
 # Tables of numbers, not charts; what follows goes to them.
