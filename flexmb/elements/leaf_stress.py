@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from ..numerical_limits import STRIP_SERIES
 from . import surface
 from .bent_strip import curving, relaxing_and_distorting
-from .leaf import REACHES, Leaf, share_of_change
+from .leaf import REACHES, TINY, Leaf, share_of_change
 from .section import Scalar
 from .surface import AT_Y, AT_Z, CORNER, RECTANGLE
 
@@ -36,7 +36,7 @@ def leaf_stress(
     """Return the stress at the points of :data:`flexmb.elements.surface.RECTANGLE` of a leaf spring.
 
     Returns the stress along x, shear stress, and stress across along the surface, each (8,) [Pa]. Source: THEORY.md 2,
-    eq. (2.27) to (2.29), (2.56) and (2.59).
+    eq. (2.27) to (2.29), (2.56), (2.59) and (2.69).
 
     Args:
         twist: Rate of twist and its slope along the leaf spring, () [1/m] and () [1/m^2]; None in the plane.
@@ -46,38 +46,44 @@ def leaf_stress(
     youngs, nu = rectangle.material.E, rectangle.material.poisson()
     force, _, _, torque, moment, _ = resultants
     twisted, curved = (jnp.reshape(value, (-1,))[0] for value in leaf.initial_at(jnp.asarray(place, float)[None]))
-    stiffer, fourth, keeps, lifted, lowered = _flattened(moment / numbers.EIy, curved, wide, thick, nu)
-    bent = moment / numbers.EIy / stiffer
-    warped = tension = shear = jnp.zeros(())
-    if twist is not None:
-        rate, slope = twist
-        square = wide**2 * rate * (2 * twisted + rate)
-        of_edges = wide**2 * (twisted + rate) * (force / 12 + numbers.EA * square / 360)
-        flat = 2 * nu * numbers.EIy / (1 - nu**2) * (1 - curving(fourth))
-        of_edges = of_edges + flat * share_of_change(bent, curved) * rate
-        # Shear by restrained warping carries the rest of the torque.
-        shear = 9 * (torque - numbers.GIt * rate - of_edges) / (wide**2 * thick)
-        warped, tension = -youngs * slope * wide * thick / 4, youngs * square / 24
-        resultants = resultants.at[3].set(numbers.GIt * rate)
-        # In sideways bending the section distorts, and the edges carry more stress.
-        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (relaxing_and_distorting(fourth)[1] - 1)
-        resultants = resultants.at[5].divide(1 + softer)
-    sigma, tau = rectangle.stress(resultants)
-    stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
+    rate, slope = (0.0, None) if twist is None else twist
+    longer = rate * (2 * twisted + rate)
+    bent, stiffer, fourth = _flattened(moment / numbers.EIy, curved, longer, wide, thick, nu)
+    keeps, lifted, lowered = _across(fourth)
     # Distances from the clamps of both ends, in widths.
     away = (jnp.stack([jnp.asarray(place), 1 - jnp.asarray(place)]) * length + leaf.beyond) / wide
     flat_stretched, flat_bent = (_flat_share(away, leaf.clamped, reach) for reach in REACHES[:2, 0])
-    clamp_effect = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
     free = 1 - flat_bent
+    warped = shear = jnp.zeros(())
+    if slope is not None:
+        relaxed, distorting = relaxing_and_distorting(fourth)
+        of_edges = wide**2 * (force / 12 + numbers.EA * wide**2 * longer * relaxed / 360)
+        of_edges = of_edges + nu * numbers.EIy / (1 - nu**2) * fourth * relaxed / 90 * share_of_change(bent, curved)
+        # Shear by restrained warping carries the rest of the torque.
+        shear = 9 * (torque - numbers.GIt * rate - (twisted + rate) * of_edges) / (wide**2 * thick)
+        warped = -youngs * slope * wide * thick / 4
+        # Twist carries a part of the moment.
+        moment = moment + free * (numbers.EIy * bent * stiffer - moment)
+        # In sideways bending the section distorts, and the edges carry more stress.
+        softer = leaf.distorted(jnp.asarray(place, float)[None], length)[0] * (distorting - 1)
+        resultants = jnp.stack([*resultants[:3], numbers.GIt * rate, moment, resultants[5] / (1 + softer)])
+    sigma, tau = rectangle.stress(resultants)
+    stretched, at_surface = force / (wide * thick), 6 * moment / (wide * thick**2)
+    clamp_effect = nu * jnp.exp(-((away / NEAR) ** 2)) @ leaf.clamped / (1 + fourth / HALVED)
     fibres = youngs * nu * bent * (curved + bent) * wide**2 / 12 * _faded(away, leaf.clamped, fourth)
+    # Where a clamp keeps the section flat, lift does not relieve the stress of twist.
+    twisting = youngs * longer * wide**2 / 12
+    lift, drop = (fibres * height + twisting * (1 + free * (height - 1)) for height in (lifted, lowered))
+    over_curvature = (curved + bent) / ((curved + bent) ** 2 + TINY)
+    rolled = youngs * thick / 2 / (1 - nu**2) * longer * over_curvature * free * (1 - keeps)
     at_edges = 1 + free * (1 / stiffer - 1) - LESS * clamp_effect
     in_middle = 1 + free * ((1 - nu**2 * keeps) / ((1 - nu**2) * stiffer) - 1) + MORE * clamp_effect
     y, z = RECTANGLE.T
     sigma = sigma + at_surface * z * (CORNER * (at_edges - 1) + AT_Z * (in_middle - 1))
-    sigma = sigma + (fibres * lifted + 2 * tension) * y**2 - (fibres * lowered / 2 + tension) * AT_Z
+    sigma = sigma + lift * y**2 - drop / 2 * AT_Z + nu * rolled * z * AT_Z
     curved = free * keeps
     across = at_surface * z * in_middle * (1 - curved) / (1 - nu**2 * curved)
-    across = nu * AT_Z * (across + (stretched - fibres * lowered / 2) * flat_stretched)
+    across = nu * AT_Z * (across + (stretched - drop / 2) * flat_stretched) + rolled * z * AT_Z
     return sigma + warped * y * z, tau + AT_Y * shear, across
 
 
@@ -108,23 +114,35 @@ def _faded(away: Float[Array, "2"], clamped: Any, fourth: Float[Array, ""]) -> F
 
 
 def _flattened(
-    change: Float[Array, ""], initial: Any, wide: Scalar, thick: Scalar, nu: Scalar
+    change: Float[Array, ""], initial: Any, longer: Any, wide: Scalar, thick: Scalar, nu: Scalar
 ) -> tuple[Float[Array, ""], ...]:
-    """Relative stiffness, u^4 and cross-section of a strip bent by M = EIy times ``change``, far from clamps."""
+    """Curvature, relative stiffness and u^4 of a strip bent by M = EIy times ``change``, far from clamps.
 
-    def fourth(change: Float[Array, ""], curvature: Float[Array, ""]):
-        return 3 * (1 - nu**2) * change * curvature * (wide**2 / thick) ** 2
+    Args:
+        longer: Square of the twist rate, minus its initial square [1/m^2].
+    """
+    scale = 3 * (1 - nu**2) * (wide**2 / thick) ** 2
 
-    def stiffer(change: Float[Array, ""]):
-        curvature = initial + change
-        value, slope = jax.jvp(curving, (fourth(curvature, curvature),), (jnp.ones(()),))
-        return (1 - nu**2 * (value + fourth(change, curvature) * slope)) / (1 - nu**2)
+    def stiffer(curvature: Float[Array, ""]):
+        whole = initial + curvature
+        value, slope = jax.jvp(curving, (scale * whole**2,), (jnp.ones(()),))
+        return (1 - nu**2 * (value + scale * curvature * whole * slope)) / (1 - nu**2)
 
-    # The stiffness varies by nu^2 at most, so one iteration suffices.
-    ratio = stiffer(change)
-    curvature = initial + change / ratio
-    at = fourth(curvature, curvature)
-    return ratio, at, *_across(at)
+    def of_twist(curvature: Float[Array, ""]):
+        """Energy of twist per length over EIy, eq. (2.65)."""
+        whole = initial + curvature
+        relieved = longer * (nu * curvature * whole + longer / 2) * scale / 180
+        return relieved * relaxing_and_distorting(scale * whole**2)[0] / (1 - nu**2)
+
+    def moment(curvature: Float[Array, ""]):
+        return curvature * stiffer(curvature) + jax.grad(of_twist)(curvature)
+
+    # Without twist the stiffness varies by nu^2 at most, so that two steps of Newton's method suffice.
+    curvature = change / stiffer(change)
+    for _ in range(2):
+        value, slope = jax.value_and_grad(moment)(curvature)
+        curvature = curvature - (value - change) / slope
+    return curvature, stiffer(curvature), scale * (initial + curvature) ** 2
 
 
 def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""], Float[Array, ""]]:
