@@ -377,15 +377,16 @@ def known_numbers(numbers: Any) -> contextlib.AbstractContextManager[Any]:
 
 
 def leaf_axes(builder: Description, member: Member, library: Any = np, end: int | None = None) -> Any:
-    """Return unit vectors along a leaf spring and along its width; with NumPy, traced inputs p, q and y as they are.
+    """Return unit vectors along a leaf spring and along its width; with NumPy, traced inputs as they are.
 
     Args:
         end: The first end (0) or the last (1). Default: the line between both ends.
     """
     p, q = (builder.nodes[node].start for node in nodes_of_kind(member, "position"))
     y, curvature = member.properties.get("y"), member.properties.get("curvature")
-    if library is np and not is_concrete((p, q, y, curvature)):
-        return p, q, y
+    given = (p, q, y) if end is None else (p, q, y, curvature)
+    if library is np and not is_concrete(given):
+        return given
     if end is not None and curvature is not None:
         y = None if y is None else jnp.asarray(y, float)
         with known_numbers((p, q, y, curvature)):

@@ -187,6 +187,7 @@ def _of_ends(subject: str, value: Any) -> np.ndarray:
 def _of_roots(subject: str, value: Any, count: int) -> tuple[Any, Any] | None:
     """Stiffnesses of the roots at both ends, None for a rigid one: the same for both, or each its own."""
     ends = list(value) if isinstance(value, list | tuple) else []
+    ends = [stack(end) if isinstance(end, list | tuple) and not is_concrete(end) else end for end in ends]
     if len(ends) != 2 or any(end is not None and np.ndim(end) != 1 for end in ends):
         check_numbers(subject, value, fault=ModelError)
         flat = (stack(ends) if ends else stack([value])[0]).reshape(-1)

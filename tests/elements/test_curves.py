@@ -255,6 +255,28 @@ def test_a_leaf_spring_goes_on_in_the_direction_of_a_curve():
     np.testing.assert_allclose(np.concatenate(clamped), [[[1, 0], [0, 0]], [[1, 0], [0.004, 0]]], rtol=1e-9)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("element", [planar.leaf_spring(3), spatial.leaf_spring(3)], ids=["plane", "space"])
+def test_a_divided_arc_of_a_traced_curvature_is_that_of_numbers(element):
+    """Two arcs in line, the first shorter than a clamp reaches."""
+    plane = len(element.nodes) == 5
+
+    def build(curvature):
+        b = fm.Builder()
+        for name, angle in (("foot", 0.0), ("middle", 0.1), ("tip", np.pi / 2)):
+            place = RADIUS * np.sin(angle), RADIUS * (1 - np.cos(angle)), 0.0
+            b.node(name, place[:2] if plane else place)
+        own = {"curvature": curvature} if plane else {"curvature": (0.0, curvature, 0.0), "y": (0, 0, 1)}
+        b.add(element, "foot", "middle", section=LEAF, **own)
+        b.add(element, "middle", "tip", section=LEAF, **own)
+        b.fix("foot")
+        return b
+
+    answers = {"answer": lambda model: fm.compliance(model, "tip")}
+    swept = fm.sweep(lambda curvature: build(curvature).build(), answers, {"curvature": np.array([1 / RADIUS])})
+    np.testing.assert_allclose(swept.answers["answer"][0], compliance(build(1 / RADIUS)), rtol=1e-9, atol=1e-15)
+
+
 @pytest.mark.parametrize(
     ("curvature", "message"),
     [

@@ -543,7 +543,7 @@ def test_roots_are_fitted_to_frequencies():
     true = np.array([2e7, 3e6, 20.0])
 
     def make(stiffness):
-        b = on_bushing(None, (jnp.stack([jnp.asarray(2e7), jnp.asarray(3e6), stiffness]), None))
+        b = on_bushing(None, ((2e7, 3e6, stiffness), None))
         return b.build(dofs=labels)
 
     labels = on_bushing(None, (true, None)).build().q_labels
