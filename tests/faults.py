@@ -2605,7 +2605,13 @@ FAULTS = [
         "",
         "elements/test_leaf_sizes.py -k what_fades",
     ),
-    Fault("build/curved_leaves.py", "if alone and long", "if long", "elements/test_leaf_sizes.py -k may_be_short"),
+    Fault(
+        "build/curved_leaves.py",
+        "length, at = length + ",
+        "length, at = 0 * ",
+        "elements/test_leaf_sizes.py -k may_be_short",
+    ),
+    Fault("build/curved_leaves.py", "or is_fold(builder, at, near)", "", "elements/test_leaf_sizes.py -k short_leg"),
     Fault("build/curved_leaves.py", "wide < NARROWEST", "wide < 0", "elements/test_leaf_sizes.py -k not_compared"),
     Fault("build/plain_beams.py", "(bends @ places) / bends.sum()", "0.0", "build/test_plain_beams.py"),
     Fault(

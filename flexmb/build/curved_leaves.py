@@ -14,7 +14,7 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import FOLD, THICK, elements_at, leaf_axes, nodes_of_kind, span_of
+from .clamps import FOLD, THICK, elements_at, ends_of_leaf, is_fold, leaf_axes, nodes_of_kind, span_of
 from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
@@ -42,8 +42,7 @@ def warn_of_curved_leaves(builder: Description) -> None:
         for name, leaf in leaves.items():
             _warn_of_sharp(name, leaf, _rectangle(leaf))
             _warn_of_slant(builder, name, leaf)
-            alone = all(other == name or other not in leaves for node in leaf.nodes for other in joined[node])
-            _warn_of_stocky(builder, name, leaf, alone)
+            _warn_of_stocky(builder, name, leaf, _length_in_line(builder, joined, leaves, name))
         for node, names in joined.items():
             for first, other in itertools.combinations([name for name in names if name in leaves], 2):
                 if _stand_for_a_curve(builder, node, leaves[first], leaves[other]):
@@ -138,11 +137,30 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
         )
 
 
-def _warn_of_stocky(builder: Description, name: str, leaf: Member, alone: bool) -> None:
+def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member], name: str) -> float:
+    """Length of a leaf spring, and of others in line if nothing clamps them to each other; inf if traced [m]."""
+    length, passed = float(span_of(builder, leaves[name])), {name}
+    for at in ends_of_leaf(name, leaves[name]):
+        while len(others := [other for other in joined[at.rotation] if other != at.leaf]) == 1:
+            other = builder.members[others[0]]
+            if others[0] not in leaves:
+                length += np.inf if other.element.fields and "clamped" in other.properties else 0.0
+                break
+            first, last = ends_of_leaf(others[0], other)
+            near, far = (first, last) if first.rotation == at.rotation else (last, first)
+            thick = float(_rectangle(other).thickness) >= THICK * float(_rectangle(builder.members[at.leaf]).thickness)
+            if others[0] in passed or thick or is_fold(builder, at, near):
+                break
+            length, at = length + float(span_of(builder, other)), far
+            passed.add(others[0])
+    return length
+
+
+def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float) -> None:
     section = _rectangle(leaf)
-    width, long = float(section.width), float(span_of(builder, leaf)) / float(section.width)
+    width = float(section.width)
     # A piece of a longer leaf spring may be short.
-    if alone and long < SHORTEST:
+    if (long := length / width) < SHORTEST:
         warn(
             f"Element '{name}' is {long:.2g} times as long as wide. From {SHORTEST} on, stiffnesses of leaf springs"
             " agree with solid elements. Model shorter ones by solid or shell elements, or compare it yourself.",

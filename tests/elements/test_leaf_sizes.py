@@ -247,6 +247,20 @@ def test_pieces_of_a_leaf_spring_may_be_short():
         b.build()
 
 
+@pytest.mark.parametrize("last", [(0.006, 0.0), (0.004, 0.06), (0.064, 0.0)], ids=["divided", "fold", "thick"])
+def test_a_short_leg_or_a_short_leaf_spring_in_pieces_warns(last):
+    """0.1 or 0.2 times as long as wide; beside a leg at a fold, or a part that clamps it."""
+    b = fm.Builder()
+    for name, place in (("foot", (0, 0)), ("middle", (0.004, 0)), ("tip", last)):
+        b.node(name, place)
+    thickness = 0.3e-3 if last[0] < 0.01 else 1e-3
+    b.add(planar.leaf_spring, "foot", "middle", name="short", section=fm.Rectangle(0.03, 0.3e-3, STEEL))
+    b.add(planar.leaf_spring, "tip", "middle", section=fm.Rectangle(0.03, thickness, STEEL))
+    b.fix("foot")
+    with pytest.warns(fm.BeamTheoryWarning, match="'short' is 0.*times as long as wide"):
+        b.build()
+
+
 @pytest.mark.slow
 def test_a_strip_bent_too_far_for_its_width_warns():
     """At u = 13 at its clamp."""
