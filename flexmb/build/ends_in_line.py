@@ -15,8 +15,20 @@ from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
+from ..model.roles import HELD
 from ..numerical_limits import SAME_SIZE
-from .clamps import FOLD, THICK, End, ends_of_leaf, is_clamped, is_fold, known_numbers, leaf_axes, span_of
+from .clamps import (
+    FOLD,
+    THICK,
+    End,
+    ends_of_leaf,
+    is_clamped,
+    is_fold,
+    known_numbers,
+    leaf_axes,
+    nodes_of_kind,
+    span_of,
+)
 from .description import Description, Member
 
 # Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
@@ -141,9 +153,10 @@ def warn_of_ends(described: Description) -> None:
         lengths = [_length_of_part(described, name, number) for number in range(2)]
         faults = []
         if skew is not None:
-            faults = _about_skew(
-                np.asarray(skew, float), sizes[:, 0], min(lengths), np.atleast_2d(np.asarray(clamped))[0]
-            )
+            # At folds and beside thick leaf springs an end is flat, but warps.
+            rigid = [described.nodes[node].roles[0] in HELD for node in nodes_of_kind(member, "warping")]
+            rigid = np.array(rigid) & (np.atleast_2d(np.asarray(clamped))[0] != 0)
+            faults = _about_skew(np.asarray(skew, float), sizes[:, 0], min(lengths), rigid)
         if stepped:
             faults += _about_steps(np.asarray(clamped)[2:].T, sizes, lengths)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())
@@ -159,10 +172,10 @@ def warn_of_ends(described: Description) -> None:
             _check_stiff(name, member, float(length))
 
 
-def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, clamped: np.ndarray) -> list[str]:
+def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, rigid: np.ndarray) -> list[str]:
     faults = []
-    if np.any((angles != 0) & (clamped == 0)):
-        faults.append("an end that is cut at an angle, but not clamped")
+    if np.any((angles != 0) & ~rigid):
+        faults.append("an end that is cut at an angle, but not held by a rigid clamp")
     if (steepest := float(np.max(np.abs(angles)))) > SKEWEST:
         faults.append(f"a cut of {np.degrees(steepest):.3g} degrees, and fits hold up to 50")
     if length < SHORTEST_SKEW * np.max(widths) and np.any(angles):

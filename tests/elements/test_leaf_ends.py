@@ -610,6 +610,21 @@ def test_a_skew_cut_out_of_range_warns(length, degrees, message):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("end", [(0.1, 0.0, 0.05), (0.2, 0.0, 0.0)], ids=["fold", "thick"])
+def test_a_skew_cut_without_a_rigid_clamp_warns(end):
+    """At a fold, and beside a thick leaf spring, which keep the section flat and let it warp."""
+    b = fm.Builder()
+    for name, place in (("foot", (0, 0, 0)), ("middle", (0.1, 0, 0)), ("end", end)):
+        b.node(name, place)
+    thick = fm.Rectangle(0.03, 2e-3, STEEL) if end[2] == 0 else WIDE
+    b.add(spatial.leaf_spring(2), "foot", "middle", name="cut", section=WIDE, y=(0, 1, 0), skew=(0.0, 0.3))
+    b.add(spatial.leaf_spring(2), "middle", "end", section=thick, y=(0, 1, 0))
+    b.fix("foot")
+    with pytest.warns(fm.BeamTheoryWarning, match="'cut' has ends .*cut at an angle, but not held by a rigid clamp"):
+        b.build()
+
+
+@pytest.mark.slow
 def test_a_skew_cut_at_a_stroke_warns():
     b = skewed(0.1, 30)
     b.prescribe("tip", "z", 0.01)
