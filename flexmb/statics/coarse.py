@@ -118,16 +118,14 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
     bent: dict[str, float] = {}
     reference = np.asarray(model.parameters.reference)
     for block, properties in leaves:
-        section = properties["section"]
-        if not isinstance(section, Rectangle):
-            continue
         numbers = np.asarray(block.e)[:, np.array(block.element.fields[FIELDS.index("EIy")]) - 1]
         odd = (-1.0) ** np.arange(numbers.shape[1])
-        curves = np.abs(np.stack([e[:, numbers].sum(axis=2), e[:, numbers] @ odd])).max(axis=(0, 1))
         points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
-        curves = curves / np.linalg.norm(points[LAST] - points[0], axis=1)
-        nu, thickness = np.asarray(section.material.poisson()), np.asarray(section.thickness)
-        u = np.sqrt(np.sqrt(3 * (1 - nu**2)) * curves / thickness) * np.asarray(section.width)
+        lengths = np.linalg.norm(points[LAST] - points[0], axis=1)
+        widths, thicknesses, nu, softer = _at_ends(properties["section"], lengths)
+        curves = np.stack([e[:, numbers] @ odd, e[:, numbers].sum(axis=2)], axis=2) * softer / lengths[:, None]
+        curves = np.abs(curves + _initial_curvatures(properties)).max(axis=0)
+        u = np.max(np.sqrt(np.sqrt(3 * (1 - nu**2)) * curves / thicknesses) * widths, axis=1)
         for i in np.flatnonzero(u > WIDEST_BENT):
             bent[str(model.labels.e[numbers[i, 0]].of)] = float(u[i])
     if bent:
@@ -137,6 +135,30 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
             " narrower or thicker, or compare it yourself.",
             CoarseWarning,
         )
+
+
+def _at_ends(section: Any, lengths: np.ndarray) -> list[np.ndarray]:
+    """Widths, thicknesses, Poisson's ratios, and local over mean compliance in bending, at both ends, (elements, 2)."""
+    if isinstance(section, Rectangle):
+        sizes = section.width, section.thickness, section.material.poisson()
+        return [np.broadcast_to(np.asarray(size).reshape(-1, 1), (len(lengths), 2)) for size in sizes] + [np.ones(2)]
+
+    def at_ends(section: Any, length: Any) -> Any:
+        leaf = leaf_of(section, None)
+        rectangles = [leaf.rectangle(place, length) for place in (0.0, 1.0)]
+        sizes = [[r.width, r.thickness, r.material.poisson()] for r in rectangles]
+        softer = leaf.plain().relative(jnp.array([0.0, 1.0]), length, ("EIy",))
+        return jnp.concatenate([jnp.array(sizes).T, softer.T])
+
+    return list(np.moveaxis(np.asarray(jax.vmap(at_ends)(section, lengths)), 1, 0))
+
+
+def _initial_curvatures(properties: dict[str, Any]) -> Any:
+    """Initial curvature of leaf springs about their soft axis at both ends, (elements, 2) [1/m]; zero if straight."""
+    if properties.get("curvature") is None:
+        return 0.0
+    curvatures = jax.vmap(lambda c: curvature_at(c, np.array([0.0, 1.0])))(properties["curvature"])
+    return np.asarray(curvatures)[:, :, 1]
 
 
 def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:

@@ -262,10 +262,18 @@ def test_a_short_leg_or_a_short_leaf_spring_in_pieces_warns(last):
 
 
 @pytest.mark.slow
-def test_a_strip_bent_too_far_for_its_width_warns():
-    """At u = 13 at its clamp."""
-    b = straight(0.1, 0.05, 0.25e-3)
-    b.prescribe("tip", "z", 0.02)
+@pytest.mark.parametrize(("curvature", "stroke"), [(None, 0.02), ((0.0, 15.0, 0.0), 1e-3)], ids=["straight", "curved"])
+@pytest.mark.parametrize("varies", [False, True])
+def test_a_strip_bent_too_far_for_its_width_warns(curvature, stroke, varies):
+    """At u = 13 to 16 at its clamp; also by its initial curvature."""
+    rectangle = fm.Rectangle(0.05, 0.25e-3, STEEL)
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    section = fm.sections.Profile(lambda place, length: rectangle) if varies else rectangle
+    b.add(spatial.leaf_spring(4), "foot", "tip", name="leaf", section=section, y=(0, 1, 0), curvature=curvature)
+    b.fix("foot")
+    b.prescribe("tip", "z", stroke)
     b.fix("tip", "rotation")
     with pytest.warns(fm.errors.CoarseWarning, match="Element 'leaf'.*Sideways stiffness"):
         fm.equilibrium(b.build())
