@@ -101,8 +101,8 @@ def _is_leaf(builder: Description, member: Member) -> bool:
     return is_concrete((starts, member.properties)) and isinstance(_rectangle(member), Rectangle)
 
 
-def _rectangle(leaf: Member) -> Any:
-    return leaf.properties["section"].at(0.5, 1.0)
+def _rectangle(leaf: Member, place: float = 0.5) -> Any:
+    return leaf.properties["section"].at(place, 1.0)
 
 
 def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
@@ -157,16 +157,15 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
 
 
 def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float) -> None:
-    section = _rectangle(leaf)
-    width = float(section.width)
+    rectangles = [_rectangle(leaf, place) for place in (0.0, 0.5, 1.0)]
     # A piece of a longer leaf spring may be short.
-    if (long := length / width) < SHORTEST:
+    if (long := length / float(rectangles[1].width)) < SHORTEST:
         warn(
             f"Element '{name}' is {long:.2g} times as long as wide. From {SHORTEST} on, stiffnesses of leaf springs"
             " agree with solid elements. Model shorter ones by solid or shell elements, or compare it yourself.",
             BeamTheoryWarning,
         )
-    wide = width / float(section.thickness)
+    wide = min(float(rectangle.width) / float(rectangle.thickness) for rectangle in rectangles)
     # A mechanism in the plane has no twist.
     if builder.dimension == 3 and wide < NARROWEST:
         warn(

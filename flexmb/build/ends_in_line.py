@@ -157,6 +157,8 @@ def warn_of_ends(described: Description) -> None:
             rigid = [described.nodes[node].roles[0] in HELD for node in nodes_of_kind(member, "warping")]
             rigid = np.array(rigid) & (np.atleast_2d(np.asarray(clamped))[0] != 0)
             faults = _about_skew(np.asarray(skew, float), sizes[:, 0], min(lengths), rigid)
+            if member.properties["curvature"] is not None and np.any(np.asarray(skew)):
+                faults.append("cuts at an angle and curvature together")
         if stepped:
             faults += _about_steps(np.asarray(clamped)[2:].T, sizes, lengths)
         nu = float(member.properties["section"].at(0.5, 1.0).material.poisson())

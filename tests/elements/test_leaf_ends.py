@@ -625,6 +625,17 @@ def test_a_skew_cut_without_a_rigid_clamp_warns(end):
 
 
 @pytest.mark.slow
+def test_a_skew_cut_of_a_curved_leaf_spring_warns():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    b.add(spatial.leaf_spring(2), "foot", "tip", name="leaf", section=WIDE, skew=(0.2, 0.0), curvature=(0, 2.0, 0))
+    b.fix("foot")
+    with pytest.warns(fm.BeamTheoryWarning, match="'leaf' has ends .* cuts at an angle and curvature together"):
+        b.build()
+
+
+@pytest.mark.slow
 def test_a_skew_cut_at_a_stroke_warns():
     b = skewed(0.1, 30)
     b.prescribe("tip", "z", 0.01)
