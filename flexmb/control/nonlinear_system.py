@@ -95,8 +95,8 @@ def memory_at_start(model: Model) -> np.ndarray:
 class _Plant:
     """Rates and outputs of a mechanism; it remembers the coordinates that Newton's method begins from.
 
-    python-control asks several times at a state. Each time, Newton's method begins from the same memory: otherwise the
-    last digits of the outputs change, and python-control takes their change for an algebraic loop.
+    python-control evaluates a state several times. Each time, Newton's method must start from the same memory.
+    Otherwise the last digits of outputs change, and python-control reports an algebraic loop.
     """
 
     def __init__(self, model: Model, driven: tuple[Driven, ...]):
@@ -120,9 +120,9 @@ class _Plant:
         self.count, self.begin = (1, float(t)) if t <= self.begin else (self.count + 1, self.begin)
         if self.count == MANY:
             warn(
-                f"The plant was evaluated {MANY} times, up to {float(t):.4g} s. Explicit methods, such as RK45 by"
-                " default, follow the fastest vibration of the mechanism. Pass solve_ivp_method='Radau' to"
-                " control.input_output_response, or use fm.simulate with control=."
+                f"The plant was evaluated {MANY} times, up to t = {float(t):.4g} s. Explicit methods, such as RK45 by"
+                " default, need steps as short as the fastest vibration of the mechanism. Pass"
+                " solve_ivp_method='Radau' to control.input_output_response, or use fm.simulate with control=."
             )
         self.answer = self._computed(t, np.asarray(x, float), u)
         return self.answer
