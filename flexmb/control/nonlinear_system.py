@@ -136,6 +136,7 @@ class _Plant:
             if not least * finer <= FARTHEST:
                 break
             steps, memory = int(least * finer), self.memory
+            evaluated: Any = None
             for k in range(1, steps + 1):
                 state = np.concatenate([before + change * k / steps, np.zeros(n)]) if k < steps else x
                 numbers = (np.asarray(number, float) for number in (t, state, memory, u))

@@ -65,4 +65,4 @@ def shape_of_section(
     least = -0.5 * right @ parts
     stiff = 0.5 * plate * w * change**2 + 0.5 * membrane * weights @ strain**2
     beam = 0.5 * youngs * w * t**3 / 12 * change**2 + 0.5 * membrane * (w * stretch**2 + w**3 / 12 * sideways**2)
-    return float(stiff + least - beam), sum(part * row for part, row in zip(parts, rows, strict=True))
+    return float(stiff + least - beam), sum((part * row for part, row in zip(parts, rows, strict=True)), 0 * rows[0])

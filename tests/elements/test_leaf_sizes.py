@@ -122,8 +122,9 @@ def closed_forms(v: Decimal) -> tuple[Decimal, Decimal, Decimal]:
         [v**k if k else Decimal(1) for k in range(90)],
         [1 / Decimal(math.factorial(n)) for n in range(370)],
     )
-    s, a, b = (sum(power * inverse[4 * k + n] for k, power in enumerate(powers)) for n in (3, 2, 1))
-    relaxed = sum(power * (inverse[4 * k + 5] - 2 * inverse[4 * k + 6]) for k, power in enumerate(powers))
+    none = Decimal(0)
+    s, a, b = (sum((power * inverse[4 * k + n] for k, power in enumerate(powers)), none) for n in (3, 2, 1))
+    relaxed = sum((power * (inverse[4 * k + 5] - 2 * inverse[4 * k + 6]) for k, power in enumerate(powers)), none)
     return 2 * a / b, 180 * relaxed / b, 3 * s / a
 
 
