@@ -191,7 +191,7 @@ def test_initial_twist_at_a_stroke_warns():
         b.prescribe("tip", "z", stroke)
         return b
 
-    with pytest.warns(fm.BeamTheoryWarning, match="initial twist at a stroke of 0.05 of the length.* order=9"):
+    with pytest.warns(fm.BeamTheoryWarning, match=r"initial twist at a stroke of 0\.05\d? of the length.* order=9"):
         fm.equilibrium(twisted(30, 0.005).build())
     with pytest.warns(fm.BeamTheoryWarning, match="initial twist .* may be 57 % off"):
         fm.equilibrium(twisted(30, 0.005, spatial.leaf_spring(order=9)).build())

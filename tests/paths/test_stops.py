@@ -213,6 +213,7 @@ def test_modes_of_an_imperfection_are_those_before_any_load():
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:.*flexmb reads (metres|SI units):flexmb.FlexmbWarning")
 def test_an_imperfection_has_its_side_in_every_unit():
     """A clamped column bows to the side where its top, not the angle there, grows."""
 
