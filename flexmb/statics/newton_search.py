@@ -98,10 +98,7 @@ class LoadStep(NamedTuple):
         The rest is estimated: after a contraction by theta, the next one is by theta^2 (Deuflhard 2011, section 2.1).
         """
         predicted = size * (size / self.before) ** 2
-        passed = (self.load < 1.0) & (predicted < LOOSE_TOLERANCE) & (self.tries > 0)
-        # Round-off of an ill-conditioned tangent, such as of very short pieces, keeps corrections above the tolerance.
-        shaking = AT_LOAD.slow(size, self.before) & (size < ACROSS_PATH.round_off) & (self.tries >= AT_LOAD.most // 2)
-        return (size < STEP_TOLERANCE) | passed | shaking
+        return (size < STEP_TOLERANCE) | ((self.load < 1.0) & (predicted < LOOSE_TOLERANCE) & (self.tries > 0))
 
     def after(self, size: Number, done: Any, bad: Any) -> tuple["LoadStep", Any]:
         """State after a correction that is ``done`` or ``bad`` (refused), and whether load steps are too short."""
