@@ -1,6 +1,7 @@
 """Warnings about leaf springs with sharp curvature, straight pieces of a curve, steep edges, slots, or stocky sizes."""
 
 import itertools
+from collections.abc import Iterator
 from typing import Any
 
 import jax
@@ -14,7 +15,7 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import FOLD, THICK, elements_at, ends_of_leaf, is_fold, leaf_axes, nodes_of_kind, span_of
+from .clamps import FOLD, THICK, End, elements_at, ends_of_leaf, is_fold, leaf_axes, nodes_of_kind, span_of
 from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
@@ -40,7 +41,7 @@ def warn_of_curved_leaves(builder: Description) -> None:
     joined = elements_at(builder)
     with jax.ensure_compile_time_eval():
         for name, leaf in leaves.items():
-            _warn_of_sharp(name, leaf, _rectangle(leaf))
+            _warn_of_sharp(name, leaf, _rectangle(builder, leaf))
             _warn_of_slant(builder, name, leaf)
             _warn_of_stocky(builder, name, leaf, _length_in_line(builder, joined, leaves, name))
         for node, names in joined.items():
@@ -53,56 +54,62 @@ def warn_of_curved_leaves(builder: Description) -> None:
                         BeamTheoryWarning,
                     )
                     return
-        for first, other in itertools.combinations(leaves, 2):
-            if sides := _sides_of_slot(builder, joined, leaves, (first, other)):
-                narrow, wide = sides
+        for narrow, wide in _pairs_in_rigid_parts(builder, leaves):
+            if _is_beside_slot(builder, narrow, wide):
                 warn(
-                    f"Element '{narrow}' continues '{wide}' beside its axis, as the sides of a slot do. flexmb joins"
-                    " them by a rigid line, and the material is not rigid. The mechanism may be 35 % too stiff across"
-                    " and 43 % in torsion. Compare it with solid elements.",
+                    f"Element '{narrow.leaf}' continues '{wide.leaf}' beside its axis, as the sides of a slot do. The"
+                    " joint is rigid in flexmb, but the material there deforms. The mechanism may be 35 % too stiff"
+                    " across and 43 % in torsion. Compare it with solid elements.",
                     BeamTheoryWarning,
                 )
                 return
 
 
-def _sides_of_slot(
-    builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member], names: tuple[str, str]
-) -> tuple[str, str] | None:
-    """Names of a narrow and a wide leaf spring, if the narrow one continues within the width of the wide one."""
-    narrow, wide = sorted(names, key=lambda name: float(_rectangle(leaves[name]).width))
-    sections = [_rectangle(leaves[name]) for name in (narrow, wide)]
-    (width, thickness), (wide_width, wide_thickness) = ((float(s.width), float(s.thickness)) for s in sections)
-    if builder.dimension == 2 or not 1 / THICK < thickness / wide_thickness < THICK:
-        return None
-    for i, j in itertools.product(range(2), repeat=2):
-        rotations = [nodes_of_kind(leaves[name], "rotation")[k] for name, k in ((narrow, i), (wide, j))]
-        links = [builder.members[name] for name in joined[rotations[0]] if name in joined[rotations[1]]]
-        if rotations[0] == rotations[1] or not any(link.properties.get("section") is None for link in links):
-            continue
-        axes = [leaf_axes(builder, leaves[name], np, k) for name, k in ((narrow, i), (wide, j))]
-        (along, across), (wide_along, wide_across) = axes
-        if abs(along @ wide_along) < np.cos(FOLD) or abs(across @ wide_across) < np.cos(FOLD):
-            continue
-        ends = [nodes_of_kind(leaves[name], "position")[k] for name, k in ((narrow, i), (wide, j))]
-        apart = np.subtract(*(np.asarray(builder.nodes[end].start, float) for end in ends))
-        beside = float(abs(apart @ wide_across))
-        # The narrow leaf spring starts at the end of the wide one, in its plane, and continues away from it.
-        onwards = (along @ wide_along) * (1 - 2 * i) * (2 * j - 1) > 0
-        if onwards and beside + width / 2 <= (1 + SAME_SIZE) * wide_width / 2 and beside > SAME_SIZE * width:
-            if np.linalg.norm(apart - apart @ wide_across * wide_across) < thickness:
-                return narrow, wide
-    return None
+def _pairs_in_rigid_parts(builder: Description, leaves: dict[str, Member]) -> Iterator[tuple[End, End]]:
+    """Pairs of ends of leaf springs at both ends of a rigid part in space, the narrower leaf spring first."""
+    ends: dict[str, list[End]] = {}
+    for name, leaf in leaves.items():
+        for end in ends_of_leaf(name, leaf):
+            ends.setdefault(end.rotation, []).append(end)
+    for member in builder.members.values() if builder.dimension == 3 else ():
+        rotations = nodes_of_kind(member, "rotation")
+        if member.properties.get("section") is None and len(nodes_of_kind(member, "position")) == len(rotations) == 2:
+            for pair in itertools.product(*(ends.get(rotation, ()) for rotation in rotations)):
+                narrow, wide = sorted(pair, key=lambda end: float(_rectangle(builder, leaves[end.leaf]).width))
+                yield narrow, wide
+
+
+def _is_beside_slot(builder: Description, narrow: End, wide: End) -> bool:
+    """Whether a leaf spring starts at the end of a wider one, within its width and in its plane, and continues it."""
+    members = [builder.members[end.leaf] for end in (narrow, wide)]
+    width, wide_width = (float(_rectangle(builder, member).width) for member in members)
+    thickness, wide_thickness = (float(_rectangle(builder, member).thickness) for member in members)
+    (along, _), (wide_along, wide_across) = (
+        leaf_axes(builder, member, np, end.number) for member, end in zip(members, (narrow, wide), strict=True)
+    )
+    if not 1 / THICK < thickness / wide_thickness < THICK or is_fold(builder, narrow, wide):
+        return False
+    # Directions away from both ends.
+    if along @ wide_along * (1 - 2 * narrow.number) * (1 - 2 * wide.number) > 0:
+        return False
+    places = [
+        nodes_of_kind(member, "position")[end.number] for member, end in zip(members, (narrow, wide), strict=True)
+    ]
+    apart = np.subtract(*(np.asarray(builder.nodes[place].start, float) for place in places))
+    beside = float(abs(apart @ wide_across))
+    is_within = SAME_SIZE * width < beside and beside + width / 2 <= (1 + SAME_SIZE) * wide_width / 2
+    return is_within and bool(np.linalg.norm(apart - apart @ wide_across * wide_across) < thickness)
 
 
 def _is_leaf(builder: Description, member: Member) -> bool:
     if not member.element.fields or "clamped" not in member.properties:
         return False
     starts = [builder.nodes[node].start for node in member.nodes]
-    return is_concrete((starts, member.properties)) and isinstance(_rectangle(member), Rectangle)
+    return is_concrete((starts, member.properties)) and isinstance(_rectangle(builder, member), Rectangle)
 
 
-def _rectangle(leaf: Member, place: float = 0.5) -> Any:
-    return leaf.properties["section"].at(place, 1.0)
+def _rectangle(builder: Description, leaf: Member, place: float = 0.5) -> Any:
+    return leaf.properties["section"].at(place, float(span_of(builder, leaf)))
 
 
 def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
@@ -148,7 +155,8 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
                 break
             first, last = ends_of_leaf(others[0], other)
             near, far = (first, last) if first.rotation == at.rotation else (last, first)
-            thick = float(_rectangle(other).thickness) >= THICK * float(_rectangle(builder.members[at.leaf]).thickness)
+            before = _rectangle(builder, builder.members[at.leaf])
+            thick = float(_rectangle(builder, other).thickness) >= THICK * float(before.thickness)
             if others[0] in passed or thick or is_fold(builder, at, near):
                 break
             length, at = length + float(span_of(builder, other)), far
@@ -157,7 +165,7 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
 
 
 def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float) -> None:
-    rectangles = [_rectangle(leaf, place) for place in (0.0, 0.5, 1.0)]
+    rectangles = [_rectangle(builder, leaf, place) for place in (0.0, 0.5, 1.0)]
     # A piece of a longer leaf spring may be short.
     if (long := length / float(rectangles[1].width)) < SHORTEST:
         warn(
@@ -186,7 +194,7 @@ def _stand_for_a_curve(builder: Description, node: str, first: Member, other: Me
     if abs(across @ across_other) < np.cos(FOLD):
         return False
     angle = float(np.arccos(min(abs(along @ along_other), 1.0)))
-    section, length = _rectangle(first), (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
+    section, length = _rectangle(builder, first), (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
     if angle == 0 or angle >= STEEPEST or (angle >= FOLD and length > section.width):
         return False
     nu = float(section.material.poisson())

@@ -124,7 +124,8 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
         lengths = np.linalg.norm(points[LAST] - points[0], axis=1)
         widths, thicknesses, nu, softer = _at_ends(properties["section"], lengths)
         curves = np.stack([e[:, numbers] @ odd, e[:, numbers].sum(axis=2)], axis=2) * softer / lengths[:, None]
-        curves = np.abs(curves + _initial_curvatures(properties)).max(axis=0)
+        initial = _initial(properties, np.array([0.0, 1.0]))
+        curves = np.abs(curves if initial is None else curves + initial[:, :, 1]).max(axis=0)
         u = np.max(np.sqrt(np.sqrt(3 * (1 - nu**2)) * curves / thicknesses) * widths, axis=1)
         for i in np.flatnonzero(u > WIDEST_BENT):
             bent[str(model.labels.e[numbers[i, 0]].of)] = float(u[i])
@@ -140,6 +141,7 @@ def _warn_of_bent(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.
 def _at_ends(section: Any, lengths: np.ndarray) -> list[np.ndarray]:
     """Widths, thicknesses, Poisson's ratios, and local over mean compliance in bending, at both ends, (elements, 2)."""
     if isinstance(section, Rectangle):
+        # Without a first compilation.
         sizes = section.width, section.thickness, section.material.poisson()
         return [np.broadcast_to(np.asarray(size).reshape(-1, 1), (len(lengths), 2)) for size in sizes] + [np.ones(2)]
 
@@ -153,12 +155,11 @@ def _at_ends(section: Any, lengths: np.ndarray) -> list[np.ndarray]:
     return list(np.moveaxis(np.asarray(jax.vmap(at_ends)(section, lengths)), 1, 0))
 
 
-def _initial_curvatures(properties: dict[str, Any]) -> Any:
-    """Initial curvature of leaf springs about their soft axis at both ends, (elements, 2) [1/m]; zero if straight."""
+def _initial(properties: dict[str, Any], places: np.ndarray) -> np.ndarray | None:
+    """Initial twist and curvatures of leaf springs at places, (elements, places, 3) [1/m]; None if straight."""
     if properties.get("curvature") is None:
-        return 0.0
-    curvatures = jax.vmap(lambda c: curvature_at(c, np.array([0.0, 1.0])))(properties["curvature"])
-    return np.asarray(curvatures)[:, :, 1]
+        return None
+    return np.asarray(jax.vmap(lambda curvature: curvature_at(curvature, places))(properties["curvature"]))
 
 
 def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: np.ndarray) -> None:
@@ -172,9 +173,11 @@ def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: 
         # Displacement of an end from the tangent at the other end, over the length: integrals of the curvature.
         strokes = np.max(np.abs(e[:, first]) / 2 + np.abs(e[:, second]) / 6, axis=0, initial=0.0)
         of_twist = TWIST_TEXT if block.element.options["order"] >= FINE_TWIST_ORDER else ROUGH_TWIST_TEXT
+        initial = _initial(properties, np.linspace(0, 1, 21))
+        twists = 0 * lengths if initial is None else lengths * np.mean(np.abs(initial[:, :, 0]), axis=1)
         for text, is_odd in (
             (CUT_TEXT, _cut_lengths(properties, lengths) > LONGEST_CUT),
-            (of_twist, _initial_twists(properties, lengths) > MOST_TWIST),
+            (of_twist, twists > MOST_TWIST),
         ):
             for i in np.flatnonzero(is_odd & (strokes > LONGEST_STROKE)):
                 far.setdefault(text, {})[str(model.labels.e[first[i]].of)] = float(strokes[i])
@@ -187,19 +190,8 @@ def _cut_lengths(properties: dict[str, Any], lengths: np.ndarray) -> np.ndarray:
     if properties.get("skew") is None:
         return np.zeros(len(lengths))
 
-    def widths(section: Any, length: Any) -> Any:
-        return jnp.stack([leaf_of(section, None).rectangle(place, length).width for place in (0.0, 1.0)])
-
-    ends = np.asarray(jax.vmap(widths)(properties["section"], lengths))
-    return np.sum(np.abs(np.tan(np.asarray(properties["skew"]))) * ends, axis=1) / lengths
-
-
-def _initial_twists(properties: dict[str, Any], lengths: np.ndarray) -> np.ndarray:
-    """Initial twist of leaf springs [rad]."""
-    if properties.get("curvature") is None:
-        return np.zeros(len(lengths))
-    curvatures = np.asarray(jax.vmap(lambda c: curvature_at(c, np.linspace(0, 1, 21)))(properties["curvature"]))
-    return lengths * np.mean(np.abs(curvatures[:, :, 0]), axis=1) if curvatures.ndim == 3 else np.zeros(len(lengths))
+    widths = _at_ends(properties["section"], lengths)[0]
+    return np.sum(np.abs(np.tan(np.asarray(properties["skew"]))) * widths, axis=1) / lengths
 
 
 def _named(sizes: dict[str, float]) -> str:

@@ -278,3 +278,16 @@ def test_a_strip_bent_too_far_for_its_width_warns(curvature, stroke, varies):
     b.fix("tip", "rotation")
     with pytest.warns(fm.errors.CoarseWarning, match="Element 'leaf'.*Sideways stiffness"):
         fm.equilibrium(b.build())
+
+
+def test_sizes_are_judged_at_the_length_of_the_leaf_spring():
+    """A width of half the length is 0.5 m at a length of 1 m, and 15 mm here."""
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.03, 0, 0))
+    section = fm.sections.Profile(lambda place, length: fm.Rectangle(length / 2, 0.5e-3, STEEL))
+    b.add(spatial.leaf_spring, "foot", "tip", section=section, y=(0, 1, 0))
+    b.fix("foot")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", fm.BeamTheoryWarning)
+        b.build()
