@@ -127,6 +127,11 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
     return {"title": analysis["title"], **analyses()[name].run(asked)}
 
 
+def _by_load(report: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
+    """Progress of a path, which ends at the load factor 1."""
+    return lambda states, load: report(max(float(load), 0.0), 1.0)
+
+
 def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     """Run a mode of the command line."""
     options, settings, most = asked.options, {}, asked.options.get("max_steps")
@@ -135,11 +140,7 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
         settings |= {"ERROR": {"relative": options["rtol"]}}
     if "trajectory" in mode.needs:
         settings |= _trajectory(asked)
-    watch = asked.watch("states") if "steps" in mode.needs else asked.watch("parts of the time")
-    if "steps" in mode.needs:
-        # A path ends at the load factor 1.
-        report = watch
-        watch = lambda states, load: report(max(float(load), 0.0), 1.0)  # noqa: E731
+    watch = _by_load(asked.watch("states")) if "steps" in mode.needs else asked.watch("parts of the time")
     mode_answer = answer(
         asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
     )
