@@ -20,8 +20,8 @@ from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
 SHARP = 0.15
-# Largest angle between pieces that approximate a curve [rad].
-STEEPEST = np.radians(20.0)
+# Largest angle between two pieces that approximate a curve, and between pieces that turn in the same sense [rad].
+STEEPEST, STEEPEST_OF_CHAIN = np.radians(20.0), np.radians(31.0)
 # Largest slope of the width compared with solid elements.
 SLANT = 0.75
 # Least length over width, and least width over thickness, compared with solid elements.
@@ -44,16 +44,14 @@ def warn_of_curved_leaves(builder: Description) -> None:
             _warn_of_sharp(name, leaf, _rectangle(builder, leaf))
             _warn_of_slant(builder, name, leaf)
             _warn_of_stocky(builder, name, leaf, _length_in_line(builder, joined, leaves, name))
-        for node, names in joined.items():
-            for first, other in itertools.combinations([name for name in names if name in leaves], 2):
-                if _stand_for_a_curve(builder, node, leaves[first], leaves[other]):
-                    warn(
-                        f"Elements '{first}' and '{other}' meet at a small angle, as straight pieces of a curved leaf"
-                        " spring do. A curved leaf spring is stiffer than straight pieces, and less stiff than folds."
-                        " Make it one leaf spring with `curvature`.",
-                        BeamTheoryWarning,
-                    )
-                    return
+        if (pieces := _pieces_of_a_curve(builder, joined, leaves)) is not None:
+            warn(
+                f"Elements '{pieces[0]}' and '{pieces[1]}' meet at a small angle, as straight pieces of a curved leaf"
+                " spring do. The stiffness of a curved leaf spring lies between the stiffnesses of straight pieces in"
+                " line and of folds. Make it one leaf spring with `curvature`.",
+                BeamTheoryWarning,
+            )
+            return
         for narrow, wide in _pairs_in_rigid_parts(builder, leaves):
             if _is_beside_slot(builder, narrow, wide):
                 warn(
@@ -183,17 +181,46 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float
         )
 
 
-def _stand_for_a_curve(builder: Description, node: str, first: Member, other: Member) -> bool:
-    """Whether two leaf springs approximate a curved leaf spring with a different stiffness."""
-    if node not in nodes_of_kind(first, "rotation"):
-        return False
-    ends = [nodes_of_kind(leaf, "rotation").index(node) for leaf in (first, other)]
+def _pieces_of_a_curve(
+    builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member]
+) -> tuple[str, str] | None:
+    """Two leaf springs in line that approximate a curved leaf spring with a different stiffness."""
+    for name, leaf in leaves.items():
+        turns: list[Any] = []
+        for at in ends_of_leaf(name, leaf):
+            for other in joined[at.rotation]:
+                if other == name or other not in leaves:
+                    continue
+                number = nodes_of_kind(leaves[other], "rotation").index(at.rotation)
+                if (turn := _turn(builder, at, End(other, at.rotation, number))) is None:
+                    continue
+                # Two folds in the same sense make a curve, one fold does not.
+                folds = [before for end, before in turns if end != at.number and FOLD <= min(_angles(before, turn))]
+                if any(max(_angles(before, turn)) < STEEPEST_OF_CHAIN and before @ turn > 0 for before in folds):
+                    return name, other
+                if _stand_for_a_curve(builder, leaf, leaves[other], _angles(turn)[0]):
+                    return name, other
+                turns.append((at.number, turn))
+    return None
+
+
+def _angles(*turns: Any) -> list[float]:
+    return [float(np.arcsin(min(np.linalg.norm(turn), 1.0))) for turn in turns]
+
+
+def _turn(builder: Description, at: End, other: End) -> Any:
+    """Axis times the sine of the angle from a leaf spring to the next; None unless they bend about the same axis."""
     (along, across), (along_other, across_other) = (
-        leaf_axes(builder, leaf, np, end) for leaf, end in zip((first, other), ends, strict=True)
+        leaf_axes(builder, builder.members[end.leaf], np, end.number) for end in (at, other)
     )
-    if abs(across @ across_other) < np.cos(FOLD):
-        return False
-    angle = float(np.arccos(min(abs(along @ along_other), 1.0)))
+    away = along_other * (1 - 2 * other.number)
+    if abs(across @ across_other) < np.cos(FOLD) or along @ away * (2 * at.number - 1) <= 0:
+        return None
+    first, second = (np.append(axis, 0.0)[:3] for axis in (along, away))
+    return np.cross(first, second)
+
+
+def _stand_for_a_curve(builder: Description, first: Member, other: Member, angle: float) -> bool:
     section, length = _rectangle(builder, first), (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
     if angle == 0 or angle >= STEEPEST or (angle >= FOLD and length > section.width):
         return False

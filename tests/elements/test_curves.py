@@ -334,6 +334,38 @@ def test_sharp_curves_and_straight_pieces_of_a_curve_warn():
         b.build()
 
 
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize(
+    ("directions", "curve"),
+    [
+        ((0, 30, 60), True),
+        ((0, 15, 30, 45, 60, 75), True),
+        ((0, -10, -20), True),
+        ((0, 30, 0), False),
+        ((0, 20), False),
+        ((0, 45, 90), False),
+    ],
+)
+def test_a_chain_of_small_folds_in_one_sense_warns_as_straight_pieces_of_a_curve(directions, curve, dimension):
+    """Pieces three times as long as wide: a quarter circle of two to nine chords is 8 % too soft to 4 % too stiff."""
+    angles = np.radians(directions)
+    steps = 0.03 * np.stack([np.cos(angles), np.sin(angles), 0 * angles], axis=1)[:, :dimension]
+    places = np.concatenate([np.zeros((1, dimension)), np.cumsum(steps, axis=0)])
+    b = fm.Builder()
+    for i, place in enumerate(places):
+        b.node(f"n{i}", place)
+    for i in range(len(steps)):
+        # Every second piece runs against the chain.
+        ends = (f"n{i}", f"n{i + 1}")[:: 1 - 2 * (i % 2)]
+        element, more = (planar.leaf_spring, {}) if dimension == 2 else (spatial.leaf_spring, {"y": (0, 0, 1)})
+        b.add(element, *ends, section=fm.Rectangle(0.01, 0.4e-3, STEEL), **more)
+    b.fix("n0")
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        b.build()
+    assert any("straight pieces of a curved leaf spring" in str(one.message) for one in caught) is curve
+
+
 @pytest.mark.slow
 def test_a_cosine_arch_of_one_element_snaps_where_many_arcs_do():
     """Qiu, Lang and Slocum (2004): half of their beam, 740 EI h/L^3, then -370; h/t = 10."""
