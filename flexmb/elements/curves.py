@@ -61,8 +61,8 @@ def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
     """Return an initial curvature from a function of the place along a beam.
 
     The nodes at both ends and the curvature determine the length and the directions of the beam. The chord of the curve
-    goes from the first node to the last. In space, local y starts as of a straight beam between these nodes. The
-    smallest rotation from the chord to the first tangent turns it.
+    goes from the first node to the last. In space, flexmb first finds local y as for a straight beam between these
+    nodes. It then turns local y by the smallest rotation from the chord to the first tangent.
 
     Args:
         function: ``f(place)``, with the place from 0 at the first end to 1 at the last. In the plane it returns the

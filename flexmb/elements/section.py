@@ -204,7 +204,7 @@ class Rigidity(Section):
         return self if self.outline is None else dataclasses.replace(self, outline=None)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:
-        """Return the stress of the outline.
+        """Return the stress in a section with the sizes of the outline.
 
         Args:
             resultants: Forces and moments in the section, (6,) [N, N m].
@@ -217,7 +217,7 @@ class Rigidity(Section):
         return self.outline is not None
 
     def stated(self, quantity: str) -> Any:
-        """Return a strength of the material of the outline.
+        """Return the strength or the fatigue limit of the outline's material; None for any other quantity.
 
         Args:
             quantity: Attribute of :class:`Material`.

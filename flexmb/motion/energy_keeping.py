@@ -26,7 +26,8 @@ class EnergyKeeping(SecondOrderSolver):
 
     Source:
         Gonzalez (1996), J. Nonlinear Science 6, 449; with constraints (1999), Physica D 132, 165. Here the kinetic
-        energy follows from rates of the inertia vectors s(x), which each step passes to the next step.
+        energy is a quadratic form of the rates of the inertia vectors s(x) (THEORY.md 3, eq. (3.1)). Each step passes
+        these rates to the next step.
     """
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):

@@ -26,7 +26,7 @@ class Struct(types.SimpleNamespace):
 
 
 class StructArray:
-    """Structures by number from 1, made on first use.
+    """Array of structures, numbered from 1 as in MATLAB. The first use of a number creates its structure.
 
     Lines of a MATLAB script stay as they are: ``nprops(3).force = [0, 1, 0]`` or ``nprops[3].force = [0, 1, 0]``. A
     field whose name is a keyword of Python has an underscore: ``rls(1).def_ = [1, 2]``.
