@@ -1,4 +1,4 @@
-"""Rotations in space that are FIXED about two global axes: the tilts of the hinge about the third axis become FIXED."""
+"""Rotations in space that are FIXED about two global axes: the hinge about the third axis gets FIXED tilts instead."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Designs that cannot be built: the checks of a concrete build for many designs.
+"""Designs that cannot be built: for many designs at once, the checks of a build with known numbers.
 
 A traced build cannot check its numbers: it would compute a frequency for a negative thickness.
 """

@@ -266,7 +266,7 @@ class Element:
 
     @property
     def feels_fall(self) -> bool:
-        """Whether the section resultants have the parameter ``fall``: the load on the mass along the element."""
+        """Whether ``resultants`` has the parameter ``fall``: weight and inertia forces along the element."""
         return self.resultants is not None and "fall" in inspect.signature(self.resultants).parameters
 
     @property

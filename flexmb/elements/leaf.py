@@ -1,4 +1,4 @@
-"""The section of a leaf spring: a strip that clamps keep flat, with restrained warping and flattening.
+"""The section of a leaf spring: clamps keep it flat, warping can be restrained, and wide strips flatten.
 
 A strip that bends tends to curve across its width in the opposite direction. A clamp prevents this curvature. Near a
 clamp the strip therefore bends as a plate, with E/(1 - nu^2) in place of E. At smaller distances it also stretches and

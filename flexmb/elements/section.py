@@ -174,8 +174,8 @@ class Rigidity(Section):
         shear_z: EIy/(GAk) for displacement along z [m^2].
         shear_y: EIz/(GAk) for displacement along y [m^2].
         mass: Mass per length [kg/m].
-        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m], Jyz the entry of the tensor, minus the
-            integral of rho y z over the section; a planar beam uses Jy.
+        Jx, Jy, Jz, Jyz: Rotary inertia per length about local axes [kg m]. Jyz = -(integral of rho y z over the
+            section), the entry of the tensor. A planar beam uses Jy.
         alpha: Coefficient of thermal expansion [1/K]; None: no thermal expansion.
         EIw: Warping rigidity of a beam with warping as a coordinate (``spatial.warping_beam``) [N m^4].
         Jw: Inertia of warping per length of this beam [kg m^3].

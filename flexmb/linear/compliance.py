@@ -207,8 +207,9 @@ def directional_compliance(
         at, step, time, increment: State, as for :func:`flexmb.frequencies`.
 
     Returns:
-        For each node one value per coordinate [m/N]; for rotations three about global axes, or one angle [rad/(N m)].
-        Infinite in directions that take part in a motion without stiffness.
+        Array by name of the node. A position has one value for each coordinate [m/N]. A rotation in space has three
+        values, about the global axes; a rotation in the plane has one [rad/(N m)]. A value is infinite if its
+        direction takes part in a motion without stiffness.
 
     Raises:
         TypeError: Numbers are traced.

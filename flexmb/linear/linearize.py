@@ -190,8 +190,8 @@ class AboutState:
 class Linearization(ByName, AboutState, Result, Record):
     """Linearised equations of motion about the equilibrium of a model.
 
-    The attributes of :class:`Matrices` are attributes of this object too (``lin.K0``). A large mechanism has equations
-    in all coordinates, ``lin.elements`` and ``lin.sparse()``, and needs no degrees of freedom.
+    The attributes of :class:`Matrices` are attributes of this object too (``lin.K0``). A large mechanism needs
+    no degrees of freedom. Its equations are in all coordinates: ``lin.elements`` and ``lin.sparse()``.
 
     Attributes:
         matrices: The numbers: :class:`Matrices`, or :class:`LargeMatrices`.

@@ -1,4 +1,4 @@
-"""Functions of several eigenvalues that stay smooth where eigenvalues meet, and modes followed by their shape."""
+"""Functions of several eigenvalues that stay smooth where eigenvalues meet, and modes identified by their shape."""
 
 from typing import Any
 
@@ -127,7 +127,7 @@ def _shapes_in(model: Model, modes: Modes, function: str) -> Float[np.ndarray, "
 
 
 def follow_modes(one: Modes, other: Modes) -> Int[np.ndarray, "n"]:
-    """Return the mode of another state that continues each mode, by shape.
+    """Return, for each mode of a state, which mode of another state has the matching shape.
 
     Args:
         one, other: As for :func:`mode_assurance`.

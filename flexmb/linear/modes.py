@@ -48,7 +48,7 @@ class Modes(Shapes, Labelled, Record):
 
     Attributes:
         eigenvalues: Eigenvalues of (K0 + N0 + G0, M0), negative if unstable, (n,) [rad^2/s^2].
-        frequencies: Square root of the size of each eigenvalue over 2 pi, with the sign of the eigenvalue, (n,) [Hz].
+        frequencies: sign(eigenvalue) sqrt(|eigenvalue|)/(2 pi), (n,) [Hz].
         shapes: Mass-normalised mode shapes in the coordinates, one mode for each column, (n_x, n) [1/sqrt(kg) ..].
         q_shapes: Mode shapes in the degrees of freedom, (n_q, n).
         massless: Number of motions without mass. With sparse matrices it is 0 if all computed modes have mass.

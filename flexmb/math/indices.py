@@ -1,4 +1,4 @@
-"""Writing and adding at index arrays without negative indices, which is faster; NumPy's arrays use NumPy."""
+"""Writing and adding at index arrays: faster, since no index is negative; for arrays of NumPy and of JAX."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Legendre polynomials on [0, 1], integrals, quadrature nodes; in NumPy, functions ``.._at`` in JAX."""
+"""Legendre polynomials on [0, 1], their integrals, quadrature nodes: by NumPy; functions named ``.._at`` use JAX."""
 
 import functools
 

@@ -344,7 +344,7 @@ class Model(Result, Record):
         return "\n".join(lines)
 
     def states(self) -> States:
-        """The undeformed mechanism."""
+        """States to draw: the undeformed mechanism alone."""
         return States(self, self.parameters.reference)
 
     def summary(self) -> Summary:

@@ -34,15 +34,16 @@ class Drives(Record):
             - "tip": force components at a node, (axes,) [N]; "tip.rotation": moment about global axes [N m];
             - "leaf.temperature": change of temperature, or (2,) for both ends [K]; "leaf.gradient": gradient across it
               [K/m]. Both need :meth:`flexmb.Builder.temperature`.
-        motion: Values of PRESCRIBED coordinates (from their start), rotations and deformations, by names such as
-            "tip.x", "tip.rotation" or "leaf.e1"; twice differentiable functions of time.
+        motion: Values of PRESCRIBED coordinates, rotations and deformations, by names such as "tip.x", "tip.rotation"
+            or "leaf.e1"; twice differentiable functions of time. The value of a coordinate is its displacement from
+            its start.
         inputs: Named inputs of the model (forces, moments, stresses) as functions of time. They add to loads and to a
             controller's inputs.
         increment: Factor of the incremental loads as a function of time; zero by default.
         jumps: Times at which loads jump or bend, (k,) [s]. flexmb knows the times of tables, and finds pulses that are
             at least 1/10000 of the whole time long. Name the times of shorter pulses, and of pulses whose numbers
-            ``jax.jit`` traces. To differentiate by the time of a jump, name this time; otherwise the derivative is
-            zero, under ``jax.jit`` without a warning.
+            ``jax.jit`` traces. To differentiate by the time of a jump, name this time. If you do not name it, the
+            derivative is zero, and flexmb warns. Under ``jax.jit`` it does not warn.
     """
 
     loads: Mapping[str, Callable] | None = None

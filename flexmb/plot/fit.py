@@ -15,8 +15,9 @@ NAMED = 12
 def fit(found: Fit) -> Any:
     """Draw each measurement beside the fitted model, differences in standard deviations, and correlations.
 
-    Bars and bands are two standard deviations: of the measured values, of the fitted curve due to the scatter of the
-    data, and of the differences. A curve that depends on an undetermined combination of parameters has no band.
+    Bars and bands extend two standard deviations to each side. Bars show the scatter of the measured values. Bands show
+    the scatter of the fitted curve due to the scatter of the data, and the scatter of the differences. A curve that
+    depends on an undetermined combination of parameters has no band.
 
     Args:
         found: Result of ``fm.fit``.

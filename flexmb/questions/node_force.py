@@ -1,4 +1,4 @@
-"""Forces and moments at a node: "force top.x" and "moment top.phi" that hold the node, "reaction foot.x"."""
+"""External force or moment that holds a node: "force top.x", "moment top.phi". Of a support: "reaction foot.x"."""
 
 from .question import Question, by_component, component_answer
 

@@ -1,4 +1,4 @@
-"""The largest von Mises stress: "stress", in one element: "stress leaf", divided by the strength: "utilisation"."""
+"""Largest von Mises stress: "stress"; in one element: "stress leaf". Largest ratio to the strength: "utilisation"."""
 
 from typing import Any
 

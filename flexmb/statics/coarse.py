@@ -1,4 +1,4 @@
-"""Warnings about deformations that are too large for accurate results or not necessary for the mechanism's position."""
+"""Warnings about deformations too large for accurate results, or larger than the mechanism's position requires."""
 
 from typing import Any
 

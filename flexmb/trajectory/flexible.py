@@ -92,8 +92,7 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
             outputs depend on each other; zeros lie on the imaginary axis; a law is not smooth enough.
 
     Warns:
-        FlexmbWarning: If the system starts from rest at the first time, an error exceeds a thousandth of the largest
-            output.
+        FlexmbWarning: ``error``, for a start from rest at the first time, exceeds a thousandth of the largest output.
 
     Source:
         Devasia, Chen, Paden (1996), as THEORY.md 14, eq. (14.16) to (14.18).

@@ -71,8 +71,8 @@ class FollowedQuantity(Record):
 class Nominal(Labelled, Record):
     """A motion along a trajectory, with the inputs that drive the mechanism.
 
-    The motion is a motion of the flexible model: ``nominal.motion.linearizations()`` linearises a mechanism that may
-    vibrate about it.
+    The motion is a motion of the flexible model. Therefore the linearised equations
+    ``nominal.motion.linearizations()`` include vibrations about this motion.
 
     Attributes:
         motion: The motion under the inputs and the holding forces, of the same type as from :func:`flexmb.simulate`.
