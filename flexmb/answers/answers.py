@@ -45,8 +45,9 @@ def modes() -> dict[int, Mode]:
 def mode_of(number: int) -> Mode:
     """A mode by its number. Only its file is loaded."""
     file = _files()[number]
-    mode: Mode = importlib.import_module(f"{__package__}.{file}").MODE
-    return mode._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"))
+    module = importlib.import_module(f"{__package__}.{file}")
+    about = (module.__doc__ or "").partition(":")[2].strip()
+    return module.MODE._replace(number=number, name=file.split("_", 2)[2].replace("_", "-"), about=about)
 
 
 @dataclasses.dataclass(frozen=True)

@@ -94,6 +94,7 @@ class Mode(NamedTuple):
             "loads", "cause" (of a motion: loads, start values or prescribed motion) and "signals".
         number: Number as in SPACAR, from the name of the file.
         name: Name, from the name of the file.
+        about: A sentence, from the docstring of the file.
     """
 
     run: Callable[[ModeRequest], ModeResult]
@@ -103,3 +104,4 @@ class Mode(NamedTuple):
     needs: tuple[str, ...] = ()
     number: int = -1
     name: str = ""
+    about: str = ""

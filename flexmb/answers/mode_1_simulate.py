@@ -1,4 +1,4 @@
-"""Mode 1: motion in time; and functions that modes 2 to 6 share with it."""
+"""Mode 1: motion in time."""
 
 from collections.abc import Sequence
 from typing import Any

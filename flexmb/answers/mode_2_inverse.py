@@ -1,4 +1,4 @@
-"""Mode 2: inverse dynamics along a trajectory; and functions that modes 3, 5 and 6 share with it."""
+"""Mode 2: inverse dynamics along a trajectory."""
 
 from collections.abc import Callable, Iterator
 from typing import Any, NoReturn

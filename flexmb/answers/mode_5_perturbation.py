@@ -1,4 +1,4 @@
-"""Mode 5: force on released degrees of freedom along a trajectory (perturbation method). Mode 6 adds the vibrations."""
+"""Mode 5: force on released degrees of freedom along a trajectory, by the perturbation method."""
 
 from typing import Any
 

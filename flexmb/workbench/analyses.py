@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import inspect
-import sys
 import threading
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
@@ -98,12 +96,10 @@ def offered_analyses(document: Document) -> dict[str, dict[str, Any]]:
 
 
 def _analysis_of_mode(mode: Mode) -> Analysis:
-    function = inspect.unwrap(getattr(mode.run, "func", mode.run))
-    text = (sys.modules[function.__module__].__doc__ or "").partition(":")[2].strip()
     needs = (*mode.needs, *(("frequencies",) if "signals" in mode.needs else ()))
     title = mode.name.replace("-", " ").capitalize() + (" and Bode plot" if "signals" in mode.needs else "")
     title = f"{title} (mode {mode.number})"
-    return Analysis(title, text[:1].upper() + text[1:], needs, lambda asked: _run(mode, asked))
+    return Analysis(title, mode.about[:1].upper() + mode.about[1:], needs, lambda asked: _run(mode, asked))
 
 
 def run(document: Document, name: str, options: Mapping[str, Any], job: Watched) -> dict[str, Any]:

@@ -68,6 +68,7 @@ def test_every_mode_of_the_command_line_is_offered_and_no_second_list():
     found = analyses.offered_analyses(planar_guide())
     assert {mode.name for mode in modes().values()} <= set(found)
     assert all(own["title"] and own["doc"] for own in found.values())
+    assert len({own["doc"] for own in found.values()}) == len(found)
     assert [field["name"] for field in found["simulate"]["fields"]] == ["end", "steps", "rtol"]
     assert [field["name"] for field in found["path"]["fields"]] == ["max_steps"]
     json.dumps(found, allow_nan=False)
