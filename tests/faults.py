@@ -3796,7 +3796,7 @@ FAULTS = [
     ),
     Fault("fmu/nonlinear.c", "&& passes_over(unit, t, step, x, to)", "&& 0", "fmu/test_save.py -k stop"),
     Fault("fmu/nonlinear.py", "#define BENDS {int(bends)}", "#define BENDS 0", "fmu/test_save.py -k stop"),
-    Fault("statics/equilibrium.py", '"save_fmu": "Build', '"plant": "Build', "fmu/test_save.py -k stop"),
+    Fault("mechanics/loads.py", '"save_fmu": "Build', '"plant": "Build', "fmu/test_save.py -k stop"),
     Fault("fmu/save.py", "np.ones(1)", "np.zeros(1)", "fmu/test_save.py -k large"),
     Fault(
         "fmu/description.py", 'if "D" in plant.matrices or', 'if "A" in plant.matrices or', "fmu/test_save.py -k valid"

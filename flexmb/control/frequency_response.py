@@ -21,10 +21,11 @@ from ..linear.damping import Losses, loss_factors
 from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_negative_mass
 from ..linear.modes import check_spectrum, refuse_unsymmetric
-from ..math.linear_solver import LinearSolver, asked_solver
+from ..math.linear_solver import LinearSolver
 from ..model.model import Model, Port
 from ..results import RESULTS, collect, or_nan
 from ..statics.equilibrium import Equilibrium
+from ..statics.solver_choice import asked_solver
 from ..statics.stable import is_unstable, unstable_motions
 from .harmonic import response_by_elements, response_by_freedoms
 from .second_order_form import orders_of, second_order

@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit_beside_options
 from ..errors import AnalysisError, warn
 from ..mechanics.extent import coordinate_scales
+from ..mechanics.loads import warn_of_increment
 from ..model.model import Model, as_known_model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
@@ -21,7 +22,6 @@ from ..motion.reduced_form import reduced_form
 from ..numerical_limits import DEPENDENT_FOUND
 from ..results import RESULTS
 from ..statics.configuration import configuration
-from ..statics.equilibrium import warn_of_increment
 
 if TYPE_CHECKING:
     import control

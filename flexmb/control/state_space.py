@@ -16,13 +16,14 @@ from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass, refuse_without_anything
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import Factors, factorise
-from ..math.linear_solver import LinearSolver, asked_solver
+from ..math.linear_solver import LinearSolver
 from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..numerical_limits import IDLE_INPUT, LOST_DAMPING, RATE_ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
+from ..statics.solver_choice import asked_solver
 from .second_order_form import SecondOrder, second_order
 from .truncation import by_modes, error_of, error_of_large, retained_modes, truncated
 

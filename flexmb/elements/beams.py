@@ -166,14 +166,14 @@ def drag_laws(axes: str, by_length: bool) -> dict[str, Any]:
     return {**own, "measured": tuple(range(1, len(names) + 1)), "grounded": True, "names": names}
 
 
-def rigid_inertia(p: Array, rot_p: Array, q: Array, *, ref, section: Section):
-    """Distributed mass of a rigid line from p, a body with a rotation, to q."""
+def rigid_inertia(p: Array, rot_p: Array, q: Array, *_: Array, ref, section: Section):
+    """Distributed mass of a rigid line from p, a body with a rotation, to q, a point or another body."""
     return line_inertia(p, q, ref=ref, section=section)
 
 
-def rigid_body_inertia(p: Array, rot_p: Array, q: Array, rot_q: Array, *, ref, section: Section):
-    """Distributed mass of a rigid line between two bodies."""
-    return line_inertia(p, q, ref=ref, section=section)
+def check_axis(*, ref: Reference, axis: Float[Array, "d"]) -> list[str]:
+    """Faults of an axis."""
+    return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
 
 
 def length_or_zero(ref: Reference) -> Float[Array, ""]:

@@ -47,11 +47,6 @@ def turn_and_tilt(
     return jnp.append(nearest_turn(2 * polar_angle(half), near, 4 * jnp.pi), tilts)
 
 
-def check_axis(*, ref: Reference, axis: Float[Array, "3"]) -> list[str]:
-    """Faults of an axis."""
-    return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
-
-
 def _hinge(
     rot_p: Rotation3, rot_q: Rotation3, *, ref: Reference, near: Float[Array, "n_e"], axis: Float[Array, "3"]
 ) -> Float[Array, "3"]:
@@ -59,7 +54,7 @@ def _hinge(
     return turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)
 
 
-hinge = Element(_hinge, **uncoupled(3), check=check_axis, released=(1,), names=("angle", "tilt_y", "tilt_z"))
+hinge = Element(_hinge, **uncoupled(3), check=beams.check_axis, released=(1,), names=("angle", "tilt_y", "tilt_z"))
 """Hinge: e1 rotation about the axis, e2 and e3 tilt of the axis (FIXED) [rad].
 
 Properties: axis (global, undeformed state), stiffness and damping (one value for all released deformations, or one
@@ -78,7 +73,9 @@ def _slider(p: Point3, rot_p: Rotation3, q: Point3, *, ref: Reference, axis: Flo
     return _offset(p, rot_p, q, ref, axis)
 
 
-slider = Element(_slider, **uncoupled(3), check=check_axis, released=(1,), names=("along", "across_y", "across_z"))
+slider = Element(
+    _slider, **uncoupled(3), check=beams.check_axis, released=(1,), names=("along", "across_y", "across_z")
+)
 """Point q that slides on a straight line of body p: e1 displacement along the line, e2 and e3 across the line (FIXED)
 [m]. The line passes through the undeformed place of q.
 
@@ -99,7 +96,7 @@ prismatic = Element(
     _prismatic,
     **uncoupled(6),
     shape=beams.straight_shape,
-    check=check_axis,
+    check=beams.check_axis,
     released=(1,),
     names=(*slider.names, "tilt_x", "tilt_y", "tilt_z"),
 )
@@ -131,7 +128,7 @@ def _screw(
 screw = Element(
     _screw,
     shape=beams.straight_shape,
-    check=check_axis,
+    check=beams.check_axis,
     released=(2,),
     names=("mismatch", "angle", "across_y", "across_z", "tilt_y", "tilt_z"),
 )
@@ -166,7 +163,7 @@ def _gear(
 
 
 def _check_gear(*, ref, axis_p, axis_q, ratio) -> list[str]:
-    faults = check_axis(ref=ref, axis=axis_p) or check_axis(ref=ref, axis=axis_q)
+    faults = beams.check_axis(ref=ref, axis=axis_p) or beams.check_axis(ref=ref, axis=axis_q)
     return faults if holds(as_floats(ratio) != 0) else [*faults, "has a ratio of zero"]
 
 

@@ -228,7 +228,7 @@ def _rigid_body_thermal(
 
 rigid_body = Element(
     _rigid_body,
-    inertia=beams.rigid_body_inertia,
+    inertia=beams.rigid_inertia,
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
     released=(),
@@ -248,11 +248,7 @@ def _slider(p: Point2, rot_p: Angle, q: Point2, *, ref: Reference, axis: Float[A
     return jnp.stack([along, jnp.stack([-along[1], along[0]])]) @ _rigid_beam(p, rot_p, q, ref=ref)
 
 
-def _check_axis(*, ref: Reference, axis: Float[Array, "2"]) -> list[str]:
-    return [] if holds((as_floats(axis) != 0).any(axis=-1)) else ["has an axis of zero length"]
-
-
-slider = Element(_slider, **uncoupled(2), check=_check_axis, released=(1,), names=("along", "across"))
+slider = Element(_slider, **uncoupled(2), check=beams.check_axis, released=(1,), names=("along", "across"))
 """Point q that slides on a straight line of body p: e1 displacement along the line, e2 across the line (FIXED) [m]. The
 line passes through the undeformed place of q.
 
@@ -273,7 +269,7 @@ prismatic = Element(
     _prismatic,
     **uncoupled(3),
     shape=beams.straight_shape,
-    check=_check_axis,
+    check=beams.check_axis,
     released=(1,),
     names=("along", "across", "tilt"),
 )

@@ -384,7 +384,7 @@ def _rigid_body_thermal(
 
 rigid_body = Element(
     _rigid_body,
-    inertia=beams.rigid_body_inertia,
+    inertia=beams.rigid_inertia,
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
     check=_check_rigid,
@@ -428,7 +428,7 @@ def _rotary_spring_damper(
     return joints.turn_and_tilt(rot_p, rot_q, ref.rot_p, ref.rot_q, near[0], axis)[:1]
 
 
-rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=joints.check_axis, names=("angle",))
+rotary_spring_damper = Element(_rotary_spring_damper, law=characteristic, check=beams.check_axis, names=("angle",))
 """Spring, damper or actuator between two bodies with a moment law of your own [N m]: e1 rotation of body q relative to
 body p about the axis, counted past full turns [rad]. The moment acts on body p. Properties: axis (global, undeformed
 state) and the keyword-only parameters of the law. Option law: see ``spatial.spring_damper``.

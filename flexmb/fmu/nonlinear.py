@@ -11,6 +11,7 @@ from jaxtyping import Array, Float
 from ..control.nonlinear_system import FARTHEST, FINER, STEP, freedoms_in_memory, memory_at_start, plant_rates
 from ..errors import AnalysisError
 from ..linear.loose import without_mass
+from ..mechanics.loads import warn_of_increment
 from ..model.model import Model, as_model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drives_by_name import Drives, driven_by
@@ -18,7 +19,6 @@ from ..motion.kinks import kinks_of
 from ..motion.loop import check_signals
 from ..numerical_limits import DEPENDENT_FOUND
 from ..results import RESULTS
-from ..statics.equilibrium import warn_of_increment
 from .translate import Unit
 
 CALL = Path(__file__).with_name("plant_steps.c")

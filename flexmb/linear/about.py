@@ -9,12 +9,12 @@ import numpy as np
 from ..arguments import is_concrete, require_double_precision
 from ..display import kind_of
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
-from ..mechanics.loads import lacks_potential
+from ..mechanics.loads import load_factors_of
 from ..model.model import Model, as_determined, as_model
 from ..results import check
-from ..statics.equilibrium import Equilibrium, by_sparse, load_factors_of
+from ..statics.equilibrium import Equilibrium
+from ..statics.solver_choice import by_sparse
 from .linearize import Linearization, ManyStates, linearized_about, linearized_by_elements, linearized_by_freedoms
-from .sparse_spectrum import asks_for_all
 
 # Numbers of a material that do not affect a state.
 BEARS = frozenset({"strength", "fatigue"})
@@ -136,19 +136,6 @@ def linearized(given: Any, function: str, throw: bool = True, where: Where | Non
     if is_concrete(given.matrices.result):
         check(given.matrices.result, throw)
     return given
-
-
-def is_large(model: Model) -> bool:
-    """Whether a mechanism has a potential and is large enough for sparse matrices to be faster."""
-    return by_sparse(model, None) and not lacks_potential(model.topology)
-
-
-def few_of(given: Any, count: int | None) -> bool:
-    """Whether the number of modes wanted is small enough for sparse matrices."""
-    if count is None or not isinstance(given, Model):
-        return count is not None
-    topology = given.topology
-    return not asks_for_all(count, topology.x.free.shape[0] - topology.e.held.shape[0])
 
 
 def by_elements(

@@ -16,11 +16,11 @@ from ..display import Labelled, Quantities, States, Summary, kind_of, modal_summ
 from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
-from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian, multipliers
 from ..mechanics.extent import coordinate_scales
-from ..mechanics.loads import LoadFactors, lacks_potential, load_stiffness, nodal_forces, scaled_loads
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of, load_stiffness, nodal_forces, scaled_loads
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
 from ..model.model import Model, as_determined, as_model
@@ -34,10 +34,11 @@ from ..numerical_limits import (
     UNBOUNDED_MULTIPLIER,
 )
 from ..results import RESULTS, or_nan
-from ..statics.equilibrium import check_stiffness, load_factors_of
+from ..statics.equilibrium import check_stiffness
 from ..statics.newton_search import prescribed_values
 from ..statics.solve import solve_state
-from .about import Where, few_of, is_large
+from ..statics.solver_choice import asked_solver, few_of, is_large
+from .about import Where
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, linearized_by_elements
 from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
 from .spectrum import is_real

@@ -12,12 +12,13 @@ from ..compilation.compile import jit, unguarded
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
 from ..math.linear import diagonal_of, factorise
-from ..math.linear_solver import LinearSolver, asked_solver
+from ..math.linear_solver import LinearSolver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
 from ..numerical_limits import HELD_COMPLIANCE, NEGATIVE_WORK
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.equilibrium import Equilibrium
+from ..statics.solver_choice import asked_solver
 from .about import Where, asked_about, linearized
 from .linearize import Linearization, ManyStates, Matrices
 from .loose import free_motions, moving_names, naming_culprit, takes_part

@@ -15,10 +15,10 @@ from ..compilation.threads import one_thread
 from ..display import Result, States, Summary, listed, short
 from ..math.element_matrices import AssembledEquations, ElementMatrices, SparseMatrices, by_coordinates
 from ..math.linear_solver import DENSE as DENSE_SOLVER
-from ..math.linear_solver import SPARSE, LinearSolver, asked_solver
+from ..math.linear_solver import SPARSE, LinearSolver
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import InertialLoad, mass_matrix, mass_pieces
-from ..mechanics.loads import LoadFactors, lacks_potential, scaled_loads
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of, scaled_loads
 from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
 from ..model.by_name import ByName, node_motions
@@ -27,8 +27,9 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collect, or_nan, outcome_text
 from ..statics.coarse import warn_of_coarse
-from ..statics.equilibrium import Equilibrium, check_stiffness, load_factors_of
+from ..statics.equilibrium import Equilibrium, check_stiffness
 from ..statics.solve import external_of, reactions_of, solve_state
+from ..statics.solver_choice import asked_solver
 from ..statics.sparse import sparse_equilibrium
 from ..statics.stable import collect_unstable
 from ..statics.tangent import by_deformations, element_matrices
@@ -246,8 +247,6 @@ class Linearization(ByName, AboutState, Result, Record):
         if not -count <= chosen < count:
             raise IndexError(f"There are {count} times, numbered from 0. Number {chosen} is none of them.")
         return Linearization(jax.tree.map(lambda a: computed(lambda _, a: a[chosen], a), self.matrices), self.model)
-
-    instant = at_time
 
     @property
     def condition(self) -> float:

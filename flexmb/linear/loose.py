@@ -11,7 +11,6 @@ from ..arguments import is_concrete, undifferentiated
 from ..checks.mobility import allowed_motions, constraints, shares
 from ..errors import AnalysisError
 from ..math.element_matrices import AssembledEquations
-from ..math.linear import SEMIDEFINITE
 from ..math.sparse import unresisted
 from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
@@ -19,7 +18,7 @@ from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
-from ..numerical_limits import FREE_STIFFNESS, NO_MASS, PART_IN_MOTION
+from ..numerical_limits import FREE_STIFFNESS, NO_MASS, PART_IN_MOTION, SEMIDEFINITE
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
 from .spectrum import masses_of_motions

@@ -10,13 +10,12 @@ from jaxtyping import Array, Float, Int
 from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, short_repr
 from ..display import kind_of
 from ..mechanics.blocks import kernel
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import ONE_CLUSTER
 from ..results import RESULTS, or_nan
-from ..statics.equilibrium import warn_of_increment
 from .linearize import Matrices, matrices
 from .modes import Modes, check_spectrum, refuse_unsymmetric
 from .spectrum import spectrum, to_frequency

@@ -14,15 +14,16 @@ from ..compilation.record import Record
 from ..compilation.threads import one_thread
 from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
 from ..math.element_matrices import AssembledEquations, matrix_times
-from ..math.linear_solver import DENSE, LinearSolver, asked_solver
+from ..math.linear_solver import DENSE, LinearSolver
 from ..mechanics.blocks import kernel
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
 from ..model.model import Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import RESULTS, check, collects, or_nan
-from ..statics.equilibrium import Equilibrium, load_factors_of, without_stiffness
-from .about import Where, by_elements, few_of, linearized
+from ..statics.equilibrium import Equilibrium, without_stiffness
+from ..statics.solver_choice import asked_solver, few_of
+from .about import Where, by_elements, linearized
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, matrices
 from .loose import (
     naming_culprit,
@@ -36,7 +37,7 @@ from .loose import (
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import lowest, lowest_values
 from .sparse_spectrum import refuse_negative_masses
-from .spectrum import general_spectrum, is_real, poles_of, slowest, spectrum, to_frequency
+from .spectrum import poles_of, real_frequencies, slowest, spectrum, to_frequency
 from .traced_poles import poles_of_elements, traced_poles
 
 
@@ -100,8 +101,7 @@ def _frequencies(topology: Topology, parameters: Parameters, target: LoadFactors
 
 def _frequencies_of_motion(lin: Linearization, count: int | None) -> Float[Array, "n"]:
     """Frequencies about a state of motion, whose stiffness may be unsymmetric; NaN if complex."""
-    values, _ = general_spectrum(np.asarray(lin.matrices.K), np.asarray(lin.matrices.M0))
-    return jnp.asarray(np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))[:count])
+    return jnp.asarray(real_frequencies(np.asarray(lin.matrices.K), np.asarray(lin.matrices.M0))[:count])
 
 
 def refuse_unsymmetric(symmetric: bool) -> None:

@@ -27,12 +27,12 @@ from ..model.topology import Topology
 from ..numerical_limits import STRESS_ROUND_OFF
 from ..results import RESULTS
 from ..statics.newton_search import prescribed_values
+from ..statics.solver_choice import asks_for_all
 from ..statics.sparse import Balanced, balanced, lacking_at, refuse_what_is_not_sparse, solution_at
 from ..statics.tangent import elastic_stress, element_matrices, unknowns
 from .linearize import Linearization
 from .sparse_multipliers import Buckled, MultiplierMatrices, smallest_of_sparse
 from .sparse_solve import call_on_host
-from .sparse_spectrum import asks_for_all
 
 
 class _Loaded(NamedTuple):

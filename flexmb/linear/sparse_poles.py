@@ -17,7 +17,8 @@ from ..math.linear import uneven
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..numerical_limits import FIRST_SHIFT, MASSLESS_SHARE, TRUE_POLE
 from ..results import RESULTS
-from .sparse_spectrum import FEW, GROWTH, MANY, SEARCHES, explained_failures, orthonormal_allowed
+from ..statics.solver_choice import MANY
+from .sparse_spectrum import FEW, GROWTH, SEARCHES, explained_failures, orthonormal_allowed
 from .spectrum import MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
 MORE = 2

@@ -34,6 +34,7 @@ from ..numerical_limits import (
     ROUGH_EIGENVALUE,
 )
 from ..results import RESULTS
+from ..statics.solver_choice import asks_for_all
 from .spectrum import MAX_SHIFTS
 
 # All motions are computed if constraints leave at most this number, or three times the number wanted: Lanczos
@@ -252,8 +253,6 @@ def orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
     return basis
 
 
-# Above this number of motions, sparse matrices do not compute all.
-MANY = 2000
 # Growth of the shift from one try to the next.
 GROWTH = 10.0
 # Largest number of additional iterations.
@@ -460,8 +459,3 @@ def _ritz_vectors(mass: Any, motions: np.ndarray, full: np.ndarray, inverse: np.
     full = full @ (roots.T @ turned)
     residual = motions - full[:n] @ (full[:n].T @ before)
     return full[:n], full[n:], 1 / values, change_by_iteration(residual, motions, mass)
-
-
-def asks_for_all(count: int, every: int) -> bool:
-    """Whether too many of all eigenvalues are wanted for sparse matrices."""
-    return 3 * count >= every > MANY

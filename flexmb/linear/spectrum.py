@@ -237,6 +237,12 @@ def general_spectrum(k: np.ndarray, m: np.ndarray) -> tuple[Any, Any]:
     return values[order], vectors[:, order]
 
 
+def real_frequencies(k: np.ndarray, m: np.ndarray) -> Float[np.ndarray, "n"]:
+    """Frequencies for an unsymmetric K, ascending [Hz]; NaN if complex."""
+    values, _ = general_spectrum(k, m)
+    return np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
+
+
 def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray, "n"]:
     """Finite solutions of det(lambda^2 M + lambda C + K) = 0, ordered by |Im| [rad/s], on the host.
 

@@ -19,13 +19,15 @@ from ..elements.section import Section
 from ..elements.surface import POINTS, squared, von_mises
 from ..errors import ModelError, warn
 from ..mechanics.blocks import companion_of
+from ..mechanics.loads import warn_of_increment
 from ..mechanics.stress_resultants import block_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
 from ..numerical_limits import BESIDE_BREAK
 from ..results import outcome_text
-from ..statics.equilibrium import Equilibrium, by_sparse, equilibrium, warn_of_increment
+from ..statics.equilibrium import Equilibrium, equilibrium
+from ..statics.solver_choice import by_sparse
 from .about import Where, check_state
 from .linearize import Linearization, ManyStates, Stressed
 

@@ -13,8 +13,15 @@ from ..compilation.host import call_host
 from ..errors import AnalysisError
 from ..math.by_deformations import saddle_product
 from ..math.element_matrices import AssembledEquations, ElementMatrices
-from ..math.linear import SEMIDEFINITE, uneven
-from ..numerical_limits import BESIDE_POLE, FREE_STIFFNESS, MEETING_POLES, ONE_REPEATED_POLE, SOLVED_BY_VECTOR
+from ..math.linear import uneven
+from ..numerical_limits import (
+    BESIDE_POLE,
+    FREE_STIFFNESS,
+    MEETING_POLES,
+    ONE_REPEATED_POLE,
+    SEMIDEFINITE,
+    SOLVED_BY_VECTOR,
+)
 from ..results import RESULTS
 from .sparse_poles import poles_of_sparse
 from .sparse_solve import NOTHING, call_on_host

@@ -4,11 +4,10 @@ A new solver is one class with the method of :class:`LinearSolver`. Pass it as `
 """
 
 import dataclasses
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from ..arguments import check_flag, short_repr
 from ..numerical_limits import ZERO_SINGULAR_VALUE
 from .element_matrices import AssembledEquations, ElementMatrices
 from .sparse import negative_under_constraints
@@ -136,33 +135,5 @@ class DenseFactored:
 
 
 SPARSE, DENSE = SparseSolver(), DenseSolver()
-
-
-def asked_solver(sparse: Any, solver: Any) -> LinearSolver | None:
-    """Return the solver that ``solver`` or ``sparse`` selects; None if the size of the model decides.
-
-    Args:
-        sparse: True, False or None.
-        solver: "sparse", "dense", a :class:`LinearSolver` or None.
-
-    Raises:
-        TypeError, ValueError: An argument has another type or value, or the arguments contradict each other.
-    """
-    if sparse is not None:
-        check_flag("sparse", sparse)
-    by_flag = None if sparse is None else (SPARSE if sparse else DENSE)
-    if solver is None:
-        return by_flag
-    if isinstance(solver, str):
-        if solver not in ("sparse", "dense"):
-            raise ValueError(f'Argument `solver` must be "sparse" or "dense", but is {short_repr(solver)}.')
-        chosen: Any = SPARSE if solver == "sparse" else DENSE
-    elif isinstance(solver, LinearSolver):
-        chosen = solver
-    else:
-        raise TypeError(f'Argument `solver` must be "sparse", "dense" or a LinearSolver, but is {short_repr(solver)}.')
-    if sparse is not None and bool(sparse) != (chosen != DENSE):
-        raise ValueError(
-            f"Arguments `solver` and `sparse` contradict each other: sparse={sparse}. Give `solver` alone."
-        )
-    return chosen
+# By the text that ``solver=`` accepts.
+SOLVERS: dict[str, LinearSolver] = {"sparse": SPARSE, "dense": DENSE}

@@ -13,9 +13,6 @@ from ..results import RESULTS
 from .dissection import dissected
 from .linear import uneven
 
-# Mechanisms with at least this number of coordinates use sparse factors by default. For static loads on a rack, dense
-# matrices take equal time at 170 coordinates, four times as long at 270, and 25 times as long at 500.
-LARGE = 300
 # Stiffness of the springs that replace constraints, over the largest other stiffness: critical values change by the
 # inverse.
 FIRM = 1e4

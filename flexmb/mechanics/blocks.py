@@ -340,3 +340,26 @@ def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], co
         return [accumulate(jnp.zeros(size), indices, values[0])]
     assembled = accumulate(jnp.zeros((size, count)), indices, jnp.stack(values, axis=1))
     return [assembled[:, i] for i in range(count)]
+
+
+def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
+    """Return a function for the derivatives by the coordinates, on the last axis of each array, and the value."""
+    if isinstance(function, Staged):
+        return function.derivative
+
+    def with_value(x: Float[Array, "c"], *arguments: Any):
+        value = function(x, *arguments)
+        return value, value
+
+    return jax.jacfwd(with_value, has_aux=True)
+
+
+def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
+    """Return ``f(x_el, sigma_el, *arguments_el) -> (c, c)`` for second derivatives of sigma . e of an element."""
+    if isinstance(function, Staged):
+        return function.curvature
+
+    def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *arguments: Any):
+        return sigma @ function(x, *arguments)
+
+    return jax.jacfwd(jax.grad(energy))

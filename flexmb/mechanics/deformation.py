@@ -13,8 +13,7 @@ from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-from .blocks import companion_of, each_block, scatter_matrix, scatter_vector, with_rigidities
-from .staged import curvature, derivative
+from .blocks import companion_of, curvature, derivative, each_block, scatter_matrix, scatter_vector, with_rigidities
 
 # With more coordinates, matrices on the host are sparse. Dense ones take ten seconds for 600 beams and seven gigabytes
 # for 10 000.

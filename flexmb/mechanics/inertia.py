@@ -11,8 +11,7 @@ from ..compilation.compile import traced_once
 from ..math.indices import put
 from ..model.parameters import Parameters
 from ..model.topology import Block, Topology
-from .blocks import each_block, scatter_matrix, scatter_vector
-from .staged import derivative
+from .blocks import derivative, each_block, scatter_matrix, scatter_vector
 
 
 class InertialLoad(NamedTuple):

@@ -8,7 +8,9 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float
 
-from ..arguments import as_floats
+from ..arguments import as_floats, check_number, is_concrete
+from ..errors import ModelError, warn
+from ..model.model import Model
 from ..model.parameters import Loads, Parameters
 from ..model.topology import Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
@@ -30,6 +32,40 @@ class LoadFactors(NamedTuple):
 def load_factors(load_factor: float = 1.0, increment: float = 0.0) -> LoadFactors:
     """Load factors as strongly typed scalars for compiled kernels."""
     return LoadFactors(as_floats(load_factor), as_floats(increment))
+
+
+def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
+    """Load factors of a public function, with a warning if incremental loads are left out by default."""
+    check_number("load_factor", load_factor)
+    if increment is None:
+        warn_of_increment(model, function)
+        return load_factors(load_factor, 0.0)
+    check_number("increment", increment)
+    if model.parameters.increment is None and is_concrete(increment) and increment != 0:
+        raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
+    return load_factors(load_factor, increment)
+
+
+# Advice for functions without the argument `increment`.
+_INSTEAD = {
+    "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
+    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 for none",
+    "save_fmu": "Build them without increment=True to include them",
+    "to_nonlinear_system": "Build them without increment=True to include them",
+}
+
+
+def warn_of_increment(model: Model, function: str) -> None:
+    """Warn that incremental loads are left out, except for models under a trace."""
+    if model.parameters.increment is not None and is_concrete(model):
+        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this state"
+        warn(
+            f"fm.{function} leaves out the incremental loads of the model: its result belongs to the state without"
+            f" them. {_INSTEAD.get(function, usual)}."
+        )
 
 
 def scaled_loads(parameters: Parameters, factors: LoadFactors) -> Loads:

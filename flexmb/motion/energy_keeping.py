@@ -9,8 +9,7 @@ from jaxtyping import Array, Float
 from ..compilation.compile import jit_beside_options
 from .newton import solve_step
 from .protocol import EnergyEquations, MotionState
-from .solver import SecondOrderSolver
-from .term import MotionTerm, equations_of
+from .solver import MotionTerm, SecondOrderSolver, equations_of
 
 
 def _equations_of(terms: Any) -> EnergyEquations:

@@ -6,11 +6,10 @@ from typing import Any
 
 from ..arguments import check_choice, is_concrete
 from ..errors import ModelError
-from ..math.sparse import LARGE
 from ..mechanics.sparse_order import SparseOrder, order_of
 from ..mechanics.tree import Tree, tree_of
 from ..model.model import Model
-from ..statics.equilibrium import is_long_chain
+from ..statics.solver_choice import LARGE, is_long_chain
 from .chain_form import obstacle
 from .drive import Driven
 from .drives_by_name import acted_on

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from ..numerical_limits import ROOT_FINDER
 from .protocol import MotionState
-from .term import equations_of
+from .solver import equations_of
 
 
 class Projected(diffrax.AbstractWrappedSolver):

@@ -9,9 +9,8 @@ import jax
 from ..compilation.compile import jit_beside_options
 from .balance import balanced_error
 from .protocol import MotionState
-from .solver import MotionSolver
+from .solver import MotionSolver, MotionTerm, equations_of
 from .stages import RODAS5P, Tableau, rosenbrock_step
-from .term import MotionTerm, equations_of
 
 
 class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):

@@ -18,13 +18,14 @@ from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
+from ..mechanics.loads import warn_of_increment
 from ..mechanics.signals import terms_of
 from ..model.model import Model, as_model
 from ..numerical_limits import ENERGY_OF_MOTION, ENERGY_ROUND_OFF, SOON_AFTER_START
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.coarse import warn_of_coarse, warn_of_needless_strain, warn_of_stressed_start
 from ..statics.configuration import Configuration, configuration
-from ..statics.equilibrium import Equilibrium, warn_of_increment
+from ..statics.equilibrium import Equilibrium
 from .balance import at_start
 from .controlled_form import Feedback
 from .controllers import Sampled

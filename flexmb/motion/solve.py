@@ -20,9 +20,9 @@ from .kinks import kinks_of
 from .projected import Projected
 from .protocol import Equations, MotionState
 from .rosenbrock import Rodas5P, Rosenbrock
+from .solver import MotionTerm
 from .step_control import DisplacementController
 from .steps_again import Span
-from .term import MotionTerm
 
 
 class Solved(NamedTuple):

@@ -19,8 +19,9 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
 from ..results import RESULTS
-from ..statics.equilibrium import by_sparse, check_stiffness, known_solver
+from ..statics.equilibrium import check_stiffness
 from ..statics.solve import change_of_equations
+from ..statics.solver_choice import by_sparse, known_solver
 from ..statics.sparse import Balanced, lacking_at, search_in_coordinates
 from .critical import begin_path, null_vectors
 from .sparse_walk import SPARSE_PATH, left_null_vector

@@ -15,12 +15,11 @@ from ..compilation.record import Record, static
 from ..compilation.threads import one_thread
 from ..display import Labelled, listed, short
 from ..errors import AnalysisError, warn
-from ..linear.about import is_large
 from ..linear.buckling import multipliers_of, scaled_stiffness
 from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
-from ..math.linear_solver import DENSE, asked_solver
+from ..math.linear_solver import DENSE
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import extent_of
 from ..mechanics.loads import LoadFactors, lacks_potential
@@ -35,7 +34,8 @@ from ..questions.frequency import frequencies_along
 from ..questions.over_states import Along
 from ..results import RESULTS
 from ..statics.coarse import warn_of_coarse
-from ..statics.equilibrium import by_sparse, check_stiffness, known_solver
+from ..statics.equilibrium import check_stiffness
+from ..statics.solver_choice import asked_solver, by_sparse, is_large, known_solver
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
 from .over_load import OverLoad, factors_of

@@ -8,7 +8,7 @@ import numpy as np
 from ..linear.linearize import Matrices
 from ..linear.modes import frequencies, refuse_unsymmetric
 from ..linear.sparse_solve import lowest_values
-from ..linear.spectrum import general_spectrum, is_real, to_frequency
+from ..linear.spectrum import real_frequencies, to_frequency
 from ..mechanics.loads import lacks_potential
 from ..results import RESULTS
 from .question import Question, each_linearization, finite_or_nan, is_index, is_many, number_along_axis
@@ -37,8 +37,7 @@ def frequencies_along(m: Matrices) -> np.ndarray:
     mass, stiffness = np.asarray(m.M0), np.asarray(m.K)
     rows = np.full(mass.shape[:2], np.nan)
     for i in np.flatnonzero(np.asarray(m.result) == int(RESULTS.successful.value)):
-        values, _ = general_spectrum(stiffness[i], mass[i])
-        rows[i] = np.sort(to_frequency(np.where(is_real(values), values.real, np.nan)))
+        rows[i] = real_frequencies(stiffness[i], mass[i])
     return rows
 
 

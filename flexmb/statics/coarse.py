@@ -15,7 +15,6 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, CoarseWarning, warn
-from ..math.sparse import LARGE
 from ..mechanics.extent import coordinate_scales
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
@@ -30,6 +29,7 @@ from ..numerical_limits import (
     STRETCHED_BEAM,
     WIDEST_BENT,
 )
+from .solver_choice import LARGE
 
 # Number of elements or deformations named in a warning.
 NAMED = 3

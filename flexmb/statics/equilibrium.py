@@ -6,22 +6,19 @@ from typing import Any, ClassVar, Literal
 import jax
 import numpy as np
 from jaxtyping import Array, Float, Int
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..arguments import check_number, is_concrete, undifferentiated
+from ..arguments import is_concrete, undifferentiated
 from ..checks.mobility import allowed_motions, constraints, shares
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, largest, short, unit_of_force
-from ..errors import ModelError, warn
 from ..math.element_matrices import AssembledEquations
-from ..math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
-from ..math.sparse import LARGE, unresisted
+from ..math.linear_solver import DENSE, SPARSE, LinearSolver
+from ..math.sparse import unresisted
 from ..math.subspace import null_spaces
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import InertialLoad
-from ..mechanics.loads import LoadFactors, lacks_potential, load_factors
+from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
@@ -31,46 +28,9 @@ from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, outcome_text
 from .coarse import warn_of_coarse
 from .solve import external_of, reactions_of, solve_state
+from .solver_choice import LARGE, is_long_chain, solver_for
 from .sparse import sparse_equilibrium, undeformed_elements
 from .stable import collect_unstable, unstable_motions, warn_of_unstable
-
-# Least number of coordinates, and of coordinates per bandwidth, from which sparse matrices solve an equilibrium of a
-# chain faster than dense; and the most bandwidth of a chain.
-LONG, LINKS, WIDEST = 120, 11, 16
-
-
-def solver_for(model: Model, sparse: bool | None, solver: Any) -> LinearSolver:
-    """Solver of a public function; by default sparse factors for a large model."""
-    return asked_solver(sparse, solver) or (SPARSE if model.topology.n_x >= LARGE else DENSE)
-
-
-def by_sparse(model: Model, sparse: bool | None, solver: Any = None) -> bool:
-    """Whether a model is solved in all coordinates."""
-    return solver_for(model, sparse, solver) != DENSE
-
-
-def known_solver(solver: Any) -> Any:
-    """The solver, for a function that accepts no :class:`LinearSolver` but the two of this package; else TypeError."""
-    if isinstance(solver, LinearSolver) and solver not in (SPARSE, DENSE):
-        raise TypeError('Argument `solver` must be "sparse" or "dense" here. fm.equilibrium accepts other solvers too.')
-    return solver
-
-
-def is_long_chain(topology: Topology) -> bool:
-    """Whether sparse matrices solve an equilibrium although the mechanism is not large: its matrices are narrow."""
-    if topology.n_x < LONG or any("force" in block.companions for block in topology.blocks):
-        return False
-    elements = [np.asarray(block.x) for block in topology.blocks]
-    pairs = [(np.repeat(x, x.shape[1], axis=1).ravel(), np.tile(x, x.shape[1]).ravel()) for x in elements]
-    rows, columns = (np.concatenate(side) for side in zip(*pairs, strict=True))
-    joined = csr_array((np.ones(len(rows)), (rows, columns)), shape=(topology.n_x, topology.n_x))
-    free = np.asarray(topology.x.free)
-    graph = joined[free][:, free]
-    place = np.argsort(reverse_cuthill_mckee(graph, symmetric_mode=True))
-    rows, columns = graph.nonzero()
-    bandwidth = int(np.max(np.abs(place[rows] - place[columns]), initial=0))
-    return bandwidth <= WIDEST and len(free) > LINKS * bandwidth
-
 
 # Failures that a motion without stiffness may cause.
 STIFFNESS_MISSING = (RESULTS.not_converged, RESULTS.singular_stiffness)
@@ -151,40 +111,6 @@ def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors
     # Only for checks: their derivatives would take longer than all others.
     k0 = at.K0
     return answer, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))
-
-
-def load_factors_of(model: Model, load_factor: float, increment: float | None, function: str) -> LoadFactors:
-    """Load factors of a public function, with a warning if incremental loads are left out by default."""
-    check_number("load_factor", load_factor)
-    if increment is None:
-        warn_of_increment(model, function)
-        return load_factors(load_factor, 0.0)
-    check_number("increment", increment)
-    if model.parameters.increment is None and is_concrete(increment) and increment != 0:
-        raise ModelError("The model has no incremental loads for `increment` to scale. Give them increment=True.")
-    return load_factors(load_factor, increment)
-
-
-# Advice for functions without the argument `increment`.
-_INSTEAD = {
-    "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
-    "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
-    "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
-    "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
-    "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 for none",
-    "save_fmu": "Build them without increment=True to include them",
-    "to_nonlinear_system": "Build them without increment=True to include them",
-}
-
-
-def warn_of_increment(model: Model, function: str) -> None:
-    """Warn that incremental loads are left out, except for models under a trace."""
-    if model.parameters.increment is not None and is_concrete(model):
-        usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this state"
-        warn(
-            f"fm.{function} leaves out the incremental loads of the model: its result belongs to the state without"
-            f" them. {_INSTEAD.get(function, usual)}."
-        )
 
 
 @unguarded

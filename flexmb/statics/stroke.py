@@ -14,14 +14,14 @@ from ..display import Labelled, States, Summary, course, span
 from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
 from ..mechanics.inertia import InertialLoad
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..results import ANSWERED, RESULTS, collect, or_nan
 from .coarse import warn_of_coarse
-from .equilibrium import Equilibrium, check_stiffness, load_factor_text, warn_of_increment
+from .equilibrium import Equilibrium, check_stiffness, load_factor_text
 from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
 from .stable import is_negative
 

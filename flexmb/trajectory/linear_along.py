@@ -19,7 +19,7 @@ from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
 from ..display import Column, Labelled, Quantities, Summary, short, span
 from ..files import save_arrays
-from ..linear.spectrum import general_spectrum, is_real, to_frequency
+from ..linear.spectrum import real_frequencies
 from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
 from .cubic import Spline, cubic_spline
@@ -355,11 +355,8 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _frequencies_along(stiffness: Float[Array, "n_t n n"], mass: Float[Array, "n_t n n"]) -> np.ndarray:
-    rows = []
-    for k, m in zip(np.asarray(stiffness), np.asarray(mass), strict=True):
-        values, _ = general_spectrum(k, m)
-        rows.append(np.sort(to_frequency(np.where(is_real(values), values.real, np.nan))))
-    return np.array(rows)
+    pairs = zip(np.asarray(stiffness), np.asarray(mass), strict=True)
+    return np.array([real_frequencies(k, m) for k, m in pairs])
 
 
 @jit

@@ -22,7 +22,7 @@ from ..progress import Stopped
 from ..questions.question import Asked
 from ..results import RESULTS
 from .building import build, numeric_values, positions
-from .document import Document, apply
+from .document import Document
 from .traced import Traced, question_of, traced
 from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
 
@@ -311,8 +311,3 @@ def _untraced(unit: Any) -> Any:
 
 def _none_refused(units: np.ndarray) -> np.ndarray:
     return np.zeros(len(units), bool)
-
-
-def with_met_targets(document: Document, result: Mapping[str, Any]) -> Document:
-    """A document with the result of :func:`meet`."""
-    return apply(document, result["ops"])[0]

@@ -11,7 +11,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar
 from flexmb.linear.sparse_poles import is_steady
-from flexmb.linear.sparse_spectrum import MANY
+from flexmb.statics.solver_choice import MANY
 
 
 def offset(p: fm.Point2, q: fm.Point2, *, ref):

@@ -478,7 +478,7 @@ def test_bar_that_falls_about_a_hinge(element, released, rotary):
     section = fm.Rigidity(EA=1e6, EIy=1.0, mass=mass, Jy=rotary * mass * L**2)
     model = hinged(element, released, section)
     along = fm.motion.linearize_motion(fm.simulate(model, np.array([0.0, 1e-3])))
-    found = fm.linear.section_resultants(model, at=along.instant(0))
+    found = fm.linear.section_resultants(model, at=along.at_time(0))
     s, scale = np.asarray(found.places), WEIGHT * L
     # Local z is the global y, and local y points into the plane.
     shear, moment = falling(s, rotary)

@@ -8,7 +8,8 @@ import pytest
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.math.linear_solver import DENSE, SPARSE, LinearSolver, asked_solver
+from flexmb.math.linear_solver import DENSE, SPARSE, LinearSolver
+from flexmb.statics.solver_choice import asked_solver
 from flexmb.statics.sparse import undeformed_elements
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)

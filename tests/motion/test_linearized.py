@@ -37,7 +37,7 @@ def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     b.start("bob", "x", 0.3, velocity=0.7)
     b.gravity((0, -9.81))
     motion = fm.simulate(b.build(), [0.0, 0.01])
-    lin = fm.motion.linearize_motion(motion).instant(0)
+    lin = fm.motion.linearize_motion(motion).at_time(0)
     x, v, left = 0.3, 0.7, 1 - 0.3**2
     a = -x * v**2 / left - 9.81 * x * np.sqrt(left)
     assert lin.M0[0, 0] == approx(2 / left, rel=1e-9)
@@ -58,6 +58,6 @@ def test_a_force_that_follows_a_bar_takes_no_stiffness_from_it():
     b.force("tip", (-4.0, 0.0), follower=True)
     b.dof("hinge", "phi")
     b.start("hinge", "phi", 0.3)
-    lin = fm.motion.linearize_motion(fm.simulate(b.build(), [0.0, 0.01])).instant(0)
+    lin = fm.motion.linearize_motion(fm.simulate(b.build(), [0.0, 0.01])).at_time(0)
     assert lin.M0[0, 0] == approx(0.5, rel=1e-12)
     assert (lin.K0 + lin.N0 + lin.G0)[0, 0] == approx(0.0, abs=1e-12)

@@ -11,7 +11,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb.motion.coordinates_form import coordinates_form
 from flexmb.motion.projected import Projected
-from flexmb.motion.term import MotionTerm
+from flexmb.motion.solver import MotionTerm
 
 
 @pytest.mark.slow

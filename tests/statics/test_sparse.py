@@ -383,7 +383,7 @@ def test_units_make_nothing_singular():
 @pytest.mark.slow
 def test_what_is_large_is_solved_by_sparse_factors(monkeypatch):
     b = arm()
-    monkeypatch.setattr("flexmb.statics.equilibrium.LARGE", 10)
+    monkeypatch.setattr("flexmb.statics.solver_choice.LARGE", 10)
     # It has no degrees of freedom, which dense matrices need.
     assert fm.equilibrium(b.build(check=False)).result == fm.RESULTS.successful
     monkeypatch.undo()

@@ -151,7 +151,7 @@ def pages(modes):
         ),
         "motion": fm.view(motion),
         "motion with stress": fm.view(
-            motion, [fm.linear.section_resultants(moved, at=along.instant(i)) for i in range(4)]
+            motion, [fm.linear.section_resultants(moved, at=along.at_time(i)) for i in range(4)]
         ),
         "mobility": fm.view(fm.mobility(spatial_guide().build(check=False))),
         "mobility without fault": fm.view(fm.mobility(model)),
