@@ -905,6 +905,9 @@ NEARLY_STATIONARY = 1e-4
 TARGET_OF_TUNE_MET = 1e-8
 """A target is met if its answer misses it by less than this share. Below stands round-off of the answers."""
 
+SOFT_TARGET_MET = 1e-5
+"""The same beside an objective or limits: a search ends with such differences, and a user does not see them."""
+
 NEGLIGIBLE_SHARE = 0.1
 """Share of the tolerance of a lean model for negligible deformations. The rest is for condensed ones. Our choice."""
 

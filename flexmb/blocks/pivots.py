@@ -16,8 +16,6 @@ from ..elements.sections import Scalar, Section
 from ..errors import ModelError
 from .site import Site, Vector
 
-RIGHT_ANGLE = np.pi / 4
-
 
 def cross_pivot(
     b: Builder,
@@ -27,7 +25,7 @@ def cross_pivot(
     length: Scalar,
     section: Section,
     ratio: Scalar = 0.5,
-    half_angle: Scalar = RIGHT_ANGLE,
+    half_angle: Scalar = np.pi / 4,
     apart: Scalar | None = None,
     name: str = "pivot",
     at: Vector | None = None,
@@ -90,7 +88,7 @@ def butterfly_pivot(
     length: Scalar,
     radius: Scalar,
     section: Section,
-    half_angle: Scalar = RIGHT_ANGLE,
+    half_angle: Scalar = np.pi / 4,
     name: str = "pivot",
     at: Vector | None = None,
     along: Vector | None = None,
@@ -150,7 +148,7 @@ def cartwheel(
     *,
     length: Scalar,
     section: Section,
-    half_angle: Scalar = RIGHT_ANGLE,
+    half_angle: Scalar = np.pi / 4,
     name: str = "pivot",
     at: Vector | None = None,
     along: Vector | None = None,

@@ -255,6 +255,8 @@ class Builder(Description):
     ) -> None:
         """Prescribe a coordinate's displacement from its start value, a node's rotation, or a deformation.
 
+        Frequencies, buckling and compliance belong to the mechanism with this motion locked.
+
         A rotation is an angle that counts past half and full turns. In space it is the angle about an axis, and the
         node may turn about other axes. flexmb adds a FIXED rotation, "frame of c", and a hinge. The hinge joins the
         frame to the rotation of node "c", and measures the angle: its deformation 1. It is named "turn of c"; for a

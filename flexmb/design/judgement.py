@@ -13,7 +13,7 @@ from ..numerical_limits import EQUAL_OVER_STROKE, STRAIGHT_MOTION
 from .sensitivities import Sensitivities
 
 # Beginnings of the subjects that an assessment needs to be complete.
-JUDGED = ("stress", "yield", "fatigue", "buckling")
+JUDGED = ("stress", "yield", "fatigue", "buckling", "incremental loads")
 
 
 @dataclasses.dataclass(frozen=True)

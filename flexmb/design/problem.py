@@ -58,9 +58,9 @@ class TuningProblem:
         parts = (np.abs(self.equal(answers)), self.limits(answers))
         return float(max(np.max(part, initial=0.0) for part in parts))
 
-    def missed(self, residuals: Any) -> list[str]:
+    def missed(self, residuals: Any, share: float = TARGET_OF_TUNE_MET) -> list[str]:
         """Missed targets with their relative differences."""
-        return _worst("misses by", [(self.targets, np.asarray(residuals))], TARGET_OF_TUNE_MET)
+        return _worst("misses by", [(self.targets, np.asarray(residuals))], share)
 
     def violated(self, answers: Any, tolerance: float) -> list[str]:
         """Violated constraints with their violations."""

@@ -17,6 +17,7 @@ from ..numerical_limits import (
     MISSED_BY_FIT,
     MISSED_TOLERANCES,
     NEARLY_STATIONARY,
+    SOFT_TARGET_MET,
     STATIONARY,
     VIOLATION_FALLS,
 )
@@ -136,8 +137,8 @@ def search_from(
     values = evaluation[0]
     if result is RESULTS.successful and evaluation[1] is not None:
         result = _met_or_why(problem, np.clip(end, 0.0, 1.0), values, evaluation[1], tolerance)
-    if not problem.only_targets and (missed := problem.missed(problem.targets(values))):
-        reason += f"; of the targets, which count beside the rest, {', '.join(missed)}"
+    if not problem.only_targets and (missed := problem.missed(problem.targets(values), SOFT_TARGET_MET)):
+        reason += f"; the other goals keep answers from their targets: {', '.join(missed)}"
     objective, violation = float(problem.objective(values)), problem.violation(values)
     return Attempt(end, values, result, reason, objective, violation, evaluate.history)
 

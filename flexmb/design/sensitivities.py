@@ -89,8 +89,8 @@ def sensitivities(
     """Compute derivatives of answers by the dimensions of a mechanism.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
-            chooses them once, at these dimensions.
+        build: Function of the dimensions, by name, that returns a model, or a tuple of models for answers that need
+            several mechanisms. If no degrees of freedom are named, flexmb chooses them once, at these dimensions.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
             answers, or a dictionary by name.
         dimensions: Numbers or arrays by name, n numbers in all [SI].

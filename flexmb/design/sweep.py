@@ -51,8 +51,9 @@ def sweep(
     memory. After each chunk it writes the checkpoint and reports the progress.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
-            chooses them once, at the first design that can be built.
+        build: Function of the dimensions, by name, that returns a model, or a tuple of models for answers that need
+            several mechanisms. If no degrees of freedom are named, flexmb chooses them once, at the first
+            design that can be built.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
             answers, or a dictionary by name.
         designs: Dimensions by name with the designs along the first axis, (designs, ...) [SI]: :func:`grid`,

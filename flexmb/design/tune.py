@@ -77,8 +77,8 @@ def tune(
     """Find dimensions within bounds that meet targets and keep limits.
 
     Args:
-        build: Function of the dimensions, by name, that returns a model. If no degrees of freedom are named, flexmb
-            chooses them once, at the start.
+        build: Function of the dimensions, by name, that returns a model, or a tuple of models for answers that need
+            several mechanisms. If no degrees of freedom are named, flexmb chooses them once, at the start.
         answers: Functions of the model that return numbers, or questions such as "frequency 1": one answer, several
             answers, or a dictionary by name.
         dimensions: Start, numbers or arrays by name [SI].

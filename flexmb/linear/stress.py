@@ -83,15 +83,18 @@ def _by_place(values_by_name: dict[str, tuple[np.ndarray, str]], names: tuple[st
 
 
 def _extremes(
-    quantities: dict[str, tuple[np.ndarray, str]], names: tuple[str, ...], places: Float[Array, "places"]
+    quantities: dict[str, tuple[np.ndarray, str]],
+    names: tuple[str, ...],
+    places: Float[Array, "places"],
+    at_points: dict[str, np.ndarray] | None = None,
 ) -> dict[str, str]:
-    """Range of each quantity, and where it is largest."""
+    """Range of each quantity, of ``at_points`` where given, and where it is largest."""
     rows = {}
     for name, (values, unit) in quantities.items():
         *state, element, place = np.unravel_index(np.argmax(np.abs(values)), values.shape)
         where = f", largest in '{names[element]}' at {float(places[place]):g}" if np.any(values) else ""
         where += f" of state {state[0]}" if where and state else ""
-        rows[name] = span(values, unit.strip("-")) + where
+        rows[name] = span((at_points or {}).get(name, values), unit.strip("-")) + where
     return rows
 
 
@@ -148,16 +151,16 @@ class Stress(Labelled, Record):
         the strength, is included if a material states its strength.
         """
         largest = {}
-        parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}
-        for name, values in parts.items():
-            if values is None:
-                continue
-            at_points = np.asarray(values)
+        for name, at_points in self._at_points().items():
             point = np.argmax(np.abs(at_points), axis=-1)[..., None]
             largest[name] = (np.take_along_axis(at_points, point, axis=-1)[..., 0], "Pa")
         if self.strength is not None:
             largest["utilisation"] = (np.asarray(self._over("strength")), "-")
         return {**largest, **self.resultants.quantities()}
+
+    def _at_points(self) -> dict[str, np.ndarray]:
+        parts = {"von Mises": self.von_mises, "sigma_x": self.sigma_x, "tau": self.tau, "across": self.across}
+        return {name: np.asarray(values) for name, values in parts.items() if values is not None}
 
     def quantities_by_name(self) -> Quantities:
         """Return the same as :meth:`quantities` by element and place; of several states by their numbers too."""
@@ -166,7 +169,8 @@ class Stress(Labelled, Record):
     def summary(self) -> Summary:
         """Return the outcome, and the extremes of the stresses."""
         stresses = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
-        rows = {"result": outcome_text(self.resultants.result), **_extremes(stresses, self.names, self.places)}
+        extremes = _extremes(stresses, self.names, self.places, self._at_points())
+        rows = {"result": outcome_text(self.resultants.result), **extremes}
         if self.strength is not None and (silent := self._without("strength")):
             rows["without strength"] = listed(silent)
         if self.left_out:

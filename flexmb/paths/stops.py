@@ -123,9 +123,12 @@ def unmet(stop: Mapping[str, Any], steps: list[Any], conditions: tuple[Condition
     parts = []
     for condition in conditions:
         if condition.name:
-            nearest = min((condition.of(step) for step in steps), key=lambda a: abs(a - condition.target))
+            values = [condition.of(step) for step in steps]
+            nearest = min(values, key=lambda a: abs(a - condition.target))
             unit = f" {condition.unit}".rstrip(" -")
-            parts.append(f"{condition.name} reached {short(nearest)}{unit}, not {short(condition.target)}{unit}")
+            part = f"{condition.name} reached {short(nearest)}{unit}, not {short(condition.target)}{unit}"
+            last = short(values[-1])
+            parts.append(part if last == short(nearest) else f"{part}, and ended at {last}{unit}")
     if COUNT in stop:
         parts.append(f"{COUNT} are {found}, not {stop[COUNT]}")
     return (

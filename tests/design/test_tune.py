@@ -442,6 +442,40 @@ def test_targets_beside_an_objective_are_wishes_whose_misses_are_told():
     assert f"bend misses by {100 * (wanted**2 / 4 - 1):.3g} %" in found.reason
 
 
+def test_targets_met_up_to_the_end_of_a_search_are_not_called_missed():
+    asked = {"size": lambda a: a, "bend": lambda a: a**2}
+    found = fm.tune(
+        lambda a: a, asked, {"a": 1.0}, {"a": (0.1, 10.0)}, targets={"bend": 4.0}, limits={"size": (None, 9.0)}
+    )
+    assert found.answers["bend"] == approx(4.0, rel=1e-5)
+    assert "bend" not in found.reason
+
+
+def test_answers_of_two_mechanisms_in_one_search():
+    """Two cantilevers with a mass at the tip: frequencies by 3 E I/L^3; the second one is twice as long."""
+
+    def cantilever(thickness, length):
+        b = fm.Builder()
+        b.node("foot", (0, 0))
+        b.node("tip", (length, 0))
+        section = fm.Rectangle(0.02, thickness, fm.Material(E=210e9, G=80e9, rho=0.0))
+        b.add(planar.beam, "foot", "tip", section=section, released=(2, 3))
+        b.fix("foot")
+        b.mass("tip", 1.0)
+        return b.build()
+
+    found = fm.tune(
+        lambda thickness: (cantilever(thickness, 0.1), cantilever(thickness, 0.2)),
+        {"short": lambda models: frequency(models[0]), "long": lambda models: frequency(models[1])},
+        {"thickness": 1e-3},
+        BOUNDS,
+        targets={"short": 10.0},
+    )
+    assert found.answers["long"] == approx(10.0 / 8**0.5, rel=1e-8)
+    bending = (2 * np.pi * 10.0) ** 2 * 0.1**3 / 3
+    assert found.dimensions["thickness"] == approx((12 * bending / 210e9 / 0.02) ** (1 / 3), rel=1e-6)
+
+
 def wells(x):
     """Two wells: at x = -1 the deeper one."""
     return (x**2 - 1) ** 2 + 0.3 * x + 1

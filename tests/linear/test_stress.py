@@ -486,6 +486,15 @@ def test_bar_that_falls_about_a_hinge(element, released, rotary):
     np.testing.assert_allclose(found.values[0, :, 4] / scale / L, moment, rtol=0, atol=1e-5)
 
 
+def test_the_printed_range_of_a_stress_is_over_all_points():
+    """At the foot of a cantilever N/(w t) +- 6 F L/(w t^2), also at the point of smaller size."""
+    found = fm.stress(cantilever(planar.beam, 2, LEAF, force=(0.05, 0, FORCE)))
+    low, high = float(jnp.min(found.sigma_x)), float(jnp.max(found.sigma_x))
+    assert (low + high) / 2 == approx(0.05 / W / T, rel=1e-6)
+    assert (high - low) / 2 == approx(6 * FORCE * L / W / T**2, rel=0.01)
+    assert found.summary().rows["sigma_x"].startswith(f"{low:.5g} to {high:.5g} Pa, largest in")
+
+
 @pytest.mark.slow("spectral")
 @pytest.mark.parametrize(
     ("element", "released", "speed"),
