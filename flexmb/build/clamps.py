@@ -309,8 +309,10 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     if not is_concrete(axes):
         if thick:
             return True, False
-        raise _Unknown("it depends on where they are, and these numbers are traced (fm.sensitivities, fm.sweep and fm.tune"
-            " know them)")
+        raise _Unknown(
+            "it depends on where they are, and these numbers are traced (fm.sensitivities, fm.sweep and fm.tune"
+            " know them)"
+        )
     (along, across), (along_other, across_other) = axes
     if abs(across @ across_other) < np.cos(FOLD):
         warn(
@@ -343,8 +345,10 @@ def _is_thick(builder: Description, leaf: Member, end: int, other: Member, numbe
     if thin is None or thick is None:
         raise _Unknown("its section is given by numbers and has no thickness")
     if not is_concrete((thin, thick)):
-        raise _Unknown("it depends on how thick they are, and these numbers are traced (fm.sensitivities, fm.sweep and fm.tune"
-            " know them)")
+        raise _Unknown(
+            "it depends on how thick they are, and these numbers are traced (fm.sensitivities, fm.sweep and fm.tune"
+            " know them)"
+        )
     return bool(min(map(np.asarray, thick)) >= THICK * min(map(np.asarray, thin)))
 
 

@@ -17,7 +17,7 @@ from ..linear.sparse_solve import call_on_host
 from ..linear.spectrum import shift_to_definite
 from ..math.by_deformations import forces, refined_solution, saddle_product
 from ..math.element_matrices import AssembledEquations, ElementMatrices
-from ..math.linear import diagonal_of, pencil
+from ..math.linear import diagonal_of, pencil, unit_scale
 from ..numerical_limits import (
     COUPLED_BY_ROUND_OFF,
     COUPLED_MODES,
@@ -206,7 +206,7 @@ def _transfer(
         m, c, k, loss = parts
         # Scale each freedom to a stiffness of one.
         diagonal = jnp.abs(diagonal_of(k))
-        scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+        scale = unit_scale(diagonal)
         m, c, k, loss = (part * scale[:, None] * scale for part in (m, c, k, loss))
         units = scale.astype(complex)
         right, left = _expanded(w, by_inputs) * units[:, None], _expanded(w, by_outputs) * units

@@ -11,7 +11,7 @@ from ..arguments import check_flag, computed, is_concrete, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
-from ..math.linear import diagonal_of, factorise
+from ..math.linear import diagonal_of, factorise, unit_scale
 from ..math.linear_solver import LinearSolver
 from ..math.rotation import lbar, rotation_matrix
 from ..model.model import Model
@@ -183,7 +183,7 @@ def compliance_of(m: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool)
     jacobian = jnp.concatenate([row @ m.DFx[part] for row, part in zip(rows, parts, strict=True)])
     # Scale each degree of freedom by the stiffnesses at it, to find free motions.
     meeting = diagonal_of(jnp.abs(m.DFe).T @ jnp.abs(m.S) @ jnp.abs(m.DFe)) + jnp.abs(diagonal_of(m.K))
-    scale = jax.lax.stop_gradient(1 / jnp.sqrt(jnp.where(meeting > 0, meeting, 1.0)))
+    scale = jax.lax.stop_gradient(unit_scale(meeting))
     factors = factorise(m.K * scale[:, None] * scale)
     result = jnp.where(factors.regular(), RESULTS.successful, RESULTS.singular_stiffness)
     scaled = jacobian * scale

@@ -11,6 +11,7 @@ from ..arguments import is_concrete, undifferentiated
 from ..checks.mobility import allowed_motions, constraints, shares
 from ..errors import AnalysisError
 from ..math.element_matrices import AssembledEquations
+from ..math.linear import unit_scale
 from ..math.sparse import unresisted
 from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
@@ -44,7 +45,7 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if not np.all(np.isfinite(k)):
         raise AnalysisError("not_finite", RESULTS.not_finite.message)
     meeting = np.diag(dfe.T @ np.abs(np.asarray(m.S)) @ dfe) + np.abs(np.diag(k))
-    scale = 1 / np.sqrt(np.where(meeting > 0, meeting, 1.0))
+    scale = unit_scale(meeting)
     left_vectors, sizes, right_vectors = np.linalg.svd(k * scale[:, None] * scale)
     stiff = sizes > FREE_STIFFNESS * len(k) * max(1.0, np.max(sizes, initial=0.0))
     inverse = right_vectors[stiff].T @ (left_vectors[:, stiff] / sizes[stiff]).T

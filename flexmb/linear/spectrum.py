@@ -15,7 +15,15 @@ from jaxtyping import Array, Bool, Complex, Float, Int
 
 from ..arguments import computed
 from ..errors import AnalysisError
-from ..math.linear import diagonal_of, factorise, is_positive_definite, is_positive_semidefinite, leading, pencil
+from ..math.linear import (
+    diagonal_of,
+    factorise,
+    is_positive_definite,
+    is_positive_semidefinite,
+    leading,
+    pencil,
+    unit_scale,
+)
 from ..math.subspace import independent_rows
 from ..numerical_limits import (
     DEFINITE_STIFFNESS,
@@ -257,7 +265,7 @@ def poles_of(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> Complex[np.ndarray,
     # is accurate to round-off of the largest entry alone, and slow poles have wrong damping.
     stiff, heavy = (np.max(np.abs(matrix), initial=0.0) or 1.0 for matrix in (k, m))
     size = np.abs(np.diag(k)) / stiff + np.abs(np.diag(m)) / heavy
-    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    scale = unit_scale(size)
     k, c, m = (part * scale[:, None] * scale for part in (k, c, m))
     stiff, heavy = (np.linalg.norm(matrix) or 1.0 for matrix in (k, m))
     w = np.sqrt(stiff / heavy)
@@ -291,7 +299,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
     The QZ method is accurate to round-off of the fastest pole. The eigenvalues 1/lambda of K^-1 M and K^-1 C are
     accurate to round-off of the slowest pole.
     """
-    scale = 1 / np.sqrt(np.where(np.diag(k) > 0, np.diag(k), 1.0))
+    scale = unit_scale(np.diag(k))
     k, c, m = (matrix * scale[:, None] * scale for matrix in (k, c, m))
     if not len(fast) or np.linalg.cond(k) > REGULAR_STIFFNESS:
         return fast
@@ -313,7 +321,7 @@ def _with_slow(fast: np.ndarray, k: np.ndarray, c: np.ndarray, m: np.ndarray) ->
 def masses_of_motions(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Ascending eigenvalues [-] and vectors of a mass matrix, scaled to one on the diagonal."""
     size = np.abs(np.diag(mass))
-    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    scale = unit_scale(size)
     values, vectors = np.linalg.eigh((mass + mass.T) / 2 * scale[:, None] * scale)
     return values, vectors * scale[:, None]
 

@@ -13,7 +13,7 @@ from ..compilation.host import call_host
 from ..errors import AnalysisError
 from ..math.by_deformations import saddle_product
 from ..math.element_matrices import AssembledEquations, ElementMatrices
-from ..math.linear import uneven
+from ..math.linear import uneven, unit_scale
 from ..numerical_limits import (
     BESIDE_POLE,
     FREE_STIFFNESS,
@@ -121,7 +121,7 @@ def _is_undetermined(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndar
     sizes = np.abs(poles[poles != 0])
     s = np.exp(0.7j) * (np.median(sizes) if len(sizes) else 1.0)
     size = np.abs(s) ** 2 * np.abs(np.diag(m)) + np.abs(s) * np.abs(np.diag(c)) + np.abs(np.diag(k))
-    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    scale = unit_scale(size)
     singular_values = np.linalg.svd((s**2 * m + s * c + k) * scale[:, None] * scale, compute_uv=False)
     return bool(len(singular_values)) and bool(singular_values[-1] <= FREE_STIFFNESS * len(k))
 
@@ -133,7 +133,7 @@ def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, num
     middle, many = np.mean(poles[same]), len(same)
     # Scale degrees of freedom so that their equations are of one size.
     size = np.abs(middle) ** 2 * np.abs(np.diag(m)) + np.abs(middle) * np.abs(np.diag(c)) + np.abs(np.diag(k))
-    scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+    scale = unit_scale(size)
     k, c, m = (matrix * scale[:, None] * scale for matrix in (k, c, m))
     if many > len(k):
         return np.nan, np.nan

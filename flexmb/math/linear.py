@@ -26,6 +26,12 @@ def uneven(n: int, first: int = 0, xp: Any = np) -> Any:
     return xp.cos(xp.arange(float(first), first + n) ** 2)
 
 
+def unit_scale(sizes: Any) -> Any:
+    """Scale that makes positive sizes, such as the diagonal of a stiffness, one: 1/sqrt(sizes); 1 elsewhere."""
+    xp: Any = np if isinstance(sizes, np.ndarray) else jnp
+    return 1 / xp.sqrt(xp.where(sizes > 0, sizes, 1.0))
+
+
 def multiplied(a: Float[Array, "*#n i j"], b: Float[Array, "*#n j k"]) -> Float[Array, "*#n i k"]:
     """Matrix products; small ones as sums of products, which the compiler fuses with neighbouring operations."""
     if a.shape[-2] * a.shape[-1] * b.shape[-1] > SMALL:
@@ -114,7 +120,7 @@ def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
     if n == 0:
         return jnp.array(True)
     diagonal = diagonal_of(matrix)
-    scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+    scale = unit_scale(diagonal)
     pivots = diagonal_of(cholesky(matrix * scale[:, None] * scale)) ** 2
     return jnp.all(diagonal > 0) & jnp.all(pivots > 10 * n * jnp.finfo(matrix.dtype).eps)
 
@@ -122,7 +128,7 @@ def is_positive_definite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
 def is_positive_semidefinite(matrix: Float[Array, "n n"]) -> Bool[Array, ""]:
     """Whether a symmetric matrix, scaled to unit diagonal, has no negative eigenvalue beyond round-off."""
     diagonal = jnp.abs(diagonal_of(matrix))
-    scale = 1 / jnp.sqrt(jnp.where(diagonal > 0, diagonal, 1.0))
+    scale = unit_scale(diagonal)
     return is_positive_definite(matrix * scale[:, None] * scale + SEMIDEFINITE * np.eye(matrix.shape[0]))
 
 

@@ -143,7 +143,9 @@ def test_any_question_ends_a_path(sparse):
 
 
 def test_what_is_not_met_is_said():
-    with pytest.warns(fm.FlexmbWarning, match=r"apex.y reached 0 m, not 1 m, and ended at -[0-9.]+ m; critical_points are 2, not 7"):
+    with pytest.warns(
+        fm.FlexmbWarning, match=r"apex.y reached 0 m, not 1 m, and ended at -[0-9.]+ m; critical_points are 2, not 7"
+    ):
         path = fm.path(FLAT, stop={"apex.y": 1.0, "critical_points": 7})
     assert path.stopped_by is None
     assert float(path.load_factor[-1]) == 1.0
