@@ -18,6 +18,7 @@ SOURCES = sorted((ROOT / "notebooks").glob("[0-9][0-9]_*.py"))
 
 @pytest.mark.slow
 @pytest.mark.timeout(290)
+@pytest.mark.filterwarnings("error::flexmb.errors.BeamTheoryWarning", "error::flexmb.errors.CoarseWarning")
 @pytest.mark.parametrize("source", SOURCES[1:], ids=lambda s: s.stem)
 def test_notebook_runs(source, tmp_path, monkeypatch):
     # The last cell asserts the number that it claims. In this process, which has imported everything and shares what is

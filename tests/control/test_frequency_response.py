@@ -193,6 +193,18 @@ def test_where_frequencies_are_repeated_and_where_a_resonance_is_hit():
         assert np.all(~np.isnan(np.asarray(fm.frequency_response(ball(np.zeros(2)), 0.0, method="direct").response)))
 
 
+def test_a_floor_that_moves_with_a_velocity():
+    """x = p (k + i w d)/(k + i w d - m w^2) with a floor p = v/(i w)."""
+    b = sprung_mass(stiffness=K, damping=D, mass=M)
+    b.input("foot", "x", "velocity", name="floor")
+    b.output("mass", "x", name="tip")
+    hertz = np.array([0.3, 2.0])
+    w = 2 * np.pi * hertz
+    spring = K + 1j * w * D
+    found = fm.frequency_response(b.build(), hertz).of("tip", "floor")
+    np.testing.assert_allclose(found, spring / (spring - M * w**2) / (1j * w), rtol=1e-11)
+
+
 @pytest.mark.slow
 def test_what_is_refused_and_what_is_said():
     model = shaken()
