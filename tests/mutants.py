@@ -36,7 +36,10 @@ from typing import Any, NamedTuple
 
 ROOT = Path(__file__).resolve().parents[1]
 # What the tests need beside the package.
-BESIDE = ("tests", "notebooks", "benchmarks", "pyproject.toml", "README.md", ".ci", "LICENSE")
+BESIDE = (
+    *("tests", "notebooks", "benchmarks", "pyproject.toml", "README.md", ".ci", "LICENSE"),
+    *("CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", ".github"),
+)
 KILLED, SURVIVED, TIMEOUT, UNTESTED = "killed", "survived", "timeout", "no test"
 NO_TEST = 5  # status of pytest
 SWAPPED: dict[type, tuple[type, ...]] = {
