@@ -194,6 +194,12 @@ def stiffened(thick: float) -> Callable:
     return in_line(lengths, [Leaf(width), Leaf(width, thick), Leaf(width)])
 
 
+def widened(middle: float, ends: float) -> Callable:
+    """Strip whose middle part is wider, and of another thickness."""
+    width, wide, lengths = shapes.WIDENED
+    return in_line(lengths, [Leaf(width, ends), Leaf(wide, middle), Leaf(width, ends)])
+
+
 CASES: dict[str, Callable] = {
     "short leaf spring": plain(shapes.SHORT),
     "broad leaf spring": plain(shapes.BROAD),
@@ -206,6 +212,8 @@ CASES: dict[str, Callable] = {
     ),
     "steps in thickness, 1.75 mm": stiffened(0.00175),
     "steps in thickness, 5 mm": stiffened(0.005),
+    "wide thick middle": widened(0.001, shapes.THICKNESS),
+    "wide thin middle": widened(shapes.THICKNESS, 0.001),
     "arc": arc(),
     "arc at strokes": arc_far,
     "cosine arch": lambda _: tip_of(half_arch(free=False)),

@@ -37,6 +37,8 @@ ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005)
 STEPS, SLOT = (0.030, 0.036, 0.012), ((0.1, 0.030), (0.040, 0.010))
 # Parts in thickness: lengths and thicknesses.
 STIFFENED = (0.018, (0.020, 0.060, 0.020))
+# Parts in width and thickness: widths of the ends and of the middle, lengths.
+WIDENED = (0.018, 0.036, (0.020, 0.060, 0.020))
 # Leg, width and thickness of the fold, and its strokes along x.
 FOLDED, FOLD_STROKES = (0.06, 0.03, 0.0005), (0.003, 0.006, 0.012)
 # Sizes where the singular edges of clamps and skew corners count, and for a leaf spring that is thick.
@@ -291,6 +293,27 @@ def stiffened(fine: Fineness, thick: float, sizes=STIFFENED):
     return at_rest(fine, build, (sum(lengths), 0, 0))
 
 
+def widened(fine: Fineness, middle: float, ends: float, sizes=WIDENED):
+    """Leaf spring whose middle part is wider, and of another thickness."""
+    width, wide, lengths = sizes
+    thin, thick = sorted((middle, ends))
+
+    def build(mesh, fine):
+        places = np.cumsum([0.0, *lengths])
+        first = fine.first * thin
+        ys, zs = fine.across(width, thin), fine.thick(thin)
+        beside = graded(width / 2, wide / 2, first, 2 * first, fine.most * wide, fine.growth)[1:]
+        up = graded(thin / 2, thick / 2, first, thin, thin, fine.growth)[1:]
+        whole = np.concatenate([-up[::-1], zs, up])
+        of_ends, of_middle = (whole, zs) if ends > middle else (zs, whole)
+        foot, _ = mesh.box(fine.along(places[0], places[1], width), ys, of_ends)
+        mesh.box(fine.along(places[1], places[2], width), np.concatenate([-beside[::-1], ys, beside]), of_middle)
+        _, tip = mesh.box(fine.along(places[2], places[3], width), ys, of_ends)
+        mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
+
+    return at_rest(fine, build, (sum(lengths), 0, 0))
+
+
 def guided(fine: Fineness, sizes, strokes, axes=("x", "y"), small=SMALL, place: Callable | None = None):
     """Clamped strip whose tip is moved along z, its rotations held."""
     mesh = Mesh()
@@ -350,6 +373,8 @@ SHAPES: dict[str, Callable] = {
     "slot": lambda mesh: slotted(MESHES[mesh]),
     "steps in thickness, 1.75 mm": lambda mesh: stiffened(MESHES[mesh], 0.00175),
     "steps in thickness, 5 mm": lambda mesh: stiffened(MESHES[mesh], 0.005),
+    "wide thick middle": lambda mesh: widened(MESHES[mesh], 0.001, THICKNESS),
+    "wide thin middle": lambda mesh: widened(MESHES[mesh], THICKNESS, 0.001),
     **_angles(True, True),
     **_angles(True, False),
     "wide fold": lambda mesh: folded(MESHES[mesh], AT_STROKE[mesh]),

@@ -32,9 +32,9 @@ from .clamps import (
 from .description import Description, Member
 
 # Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
-# width of skew leaf springs and of parts beside a step; ratio of thicknesses at a step in width.
+# width of skew leaf springs and of parts beside a step; thickness of the narrow over that of the wide part.
 SKEWEST, NUS, NARROWEST = np.radians(50.0) * (1 + 1e-9), (0.2 - 1e-9, 0.4 + 1e-9), 0.2 * (1 - 1e-9)
-SHORTEST_SKEW, SHORTEST_PART, THICKER = 1.5 * (1 - 1e-9), 0.8 * (1 - 1e-9), 1.2
+SHORTEST_SKEW, SHORTEST_PART, THICKER = 1.5 * (1 - 1e-9), 0.8 * (1 - 1e-9), 5.0 * (1 + 1e-9)
 
 
 def with_steps(described: Description, builder: Description) -> Description:
@@ -92,10 +92,7 @@ def _sizes(builder: Description, member: Member, number: int) -> tuple[Any, Any]
 
 
 def _size_beyond(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
-    """Width and thickness of the leaf spring beyond an end; None for equal sizes.
-
-    A leaf spring thick enough to clamp the end counts with the width of the end: it is no step in width.
-    """
+    """Width and thickness of the leaf spring beyond an end; None for equal sizes."""
     leaf, following = builder.members[end.leaf], builder.members[other.leaf]
     if leaf.properties["section"] is following.properties["section"] and not leaf.properties["section"].varies:
         return None
@@ -103,8 +100,7 @@ def _size_beyond(builder: Description, end: End, other: End) -> tuple[Any, Any] 
     known = is_concrete((width, thickness, wide, thick))
     if known and abs(wide / width - 1) < SAME_SIZE and abs(thick / thickness - 1) < SAME_SIZE:
         return None
-    library: Any = np if known else jnp
-    return library.where(library.asarray(thick) >= THICK * thickness, width, wide), thick
+    return wide, thick
 
 
 def _goes_on(described: Description, builder: Description, end: End, other: End) -> bool:
@@ -194,12 +190,14 @@ def _about_steps(beside: np.ndarray, sizes: np.ndarray, lengths: list[float]) ->
         if share < NARROWEST:
             faults.append(f"a step to {1 / share:.3g} times its width, and fits hold up to 5")
         if abs(share - 1) > SAME_SIZE:
-            if length < SHORTEST_PART * width:
+            wide_over_narrow = ratio if share < 1 else 1 / ratio
+            # A wide part that clamps the narrow part deforms little, at any length.
+            if length < SHORTEST_PART * width and wide_over_narrow < THICK:
                 faults.append(
                     f"beside a step it is {length / width:.2g} times as long as wide, and fits hold from 0.8 on"
                 )
-            if not 1 / THICKER <= ratio <= THICKER:
-                faults.append("a step in both width and thickness, and fits hold for one of them")
+            if wide_over_narrow < 1 / THICKER:
+                faults.append("a step in width where the narrow part is more than 5 times as thick as the wide part")
     return list(dict.fromkeys(faults))
 
 

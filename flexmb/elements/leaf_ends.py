@@ -71,6 +71,10 @@ STEP = {
     (1, 5): (2, "EIz"),
     (1, 1): (3, "EIz"),
 }
+# 1 for the terms of a step in width from membrane stress, bending and twist (columns), (terms, 3).
+KINDS = np.array(
+    [[rigidity in kind for kind in (("EA", "EIz"), ("EIy",), ("GIt",))] for _, rigidity in STEP.values()], float
+)
 # 1 for the terms of a step in thickness, (terms, 2): from spreading in tension (column 0) and in bending (column 1).
 THICKNESS = np.array([[place in ((0, 0), (5, 5)), place == (4, 4)] for place in STEP], float)
 
@@ -148,7 +152,7 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
         Displacements and rotations of the end under N, Vy, Vz, T, My, Mz, (6, 6).
 
     Source:
-        THEORY.md 2, eq. (2.49) to (2.51): fits to solid elements, for narrow/wide from 0.2 and nu from 0.2 to 0.4.
+        THEORY.md 2, eq. (2.49) to (2.51), and (2.70): fits to solid elements, narrow/wide from 0.2, nu from 0.2 to 0.4.
     """
     rigidity, nu, w = rectangle.rigidity(), rectangle.material.poisson(), jnp.asarray(rectangle.width, float)
     a = w / width
@@ -172,7 +176,10 @@ def step_compliance(width: Any, thickness: Any, rectangle: Rectangle) -> Float[A
     b = rectangle.thickness / thickness
     root = (1 - nu**2) * jnp.asarray(rectangle.thickness, float) / w
     in_thickness = root * jnp.stack([STRETCHED * spreading_length(b), bent_spread(b)])
-    numbers = jnp.stack([jnp.asarray(number, float) for number in in_width])
+    # The wide part deforms. A narrow part that is thicker stays straight and leaves less to the wide part.
+    over = jnp.maximum(b - 1, 0.0)
+    softer = KINDS @ jnp.stack([b, b**3 * (1 - 0.5 * (over / b) ** 2), b**1.5 + 1.4 * over**3])
+    numbers = softer * jnp.stack([jnp.asarray(number, float) for number in in_width])
     return _matrix_of_terms(STEP, numbers + THICKNESS @ in_thickness, rectangle)
 
 
