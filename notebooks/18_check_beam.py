@@ -210,7 +210,7 @@ for name, width in widths.items():
 # are 6 to 8 % too soft: large curvature keeps their middle flat too (Searle's effect), which `leaf_spring` includes.
 #
 # **What a leaf spring neglects** is up to 1.5 % at strokes. For a width of half the length, the limit of its use, it is
-# up to 4.1 %.
+# up to 1.7 %.
 #
 # ## Which element for what
 #
