@@ -65,11 +65,16 @@ def with_steps(described: Description, builder: Description) -> Description:
                 steps.setdefault(end.leaf, {})[end.number] = _unless_fold(builder, sizes, end, other)
     for name, sizes in steps.items():
         member = described.members[name]
-        rows = [sizes.get(number) or _sizes(builder, leaves[name], number) for number in range(2)]
-        library: Any = np if is_concrete((rows, member.properties["clamped"])) else jnp
+        own = [_sizes(builder, leaves[name], number) for number in range(2)]
+        rows = [sizes.get(number) or own[number] for number in range(2)]
+        library: Any = np if is_concrete((rows, own, member.properties["clamped"])) else jnp
         beside = library.stack([library.stack([library.asarray(row[i], float) for row in rows]) for i in range(2)])
         clamped = member.properties["clamped"]
         flags = clamped if clamped.ndim == 2 else np.stack([clamped, np.zeros(2)])
+        # The curvature across a thicker part is smaller by the cube of the thicknesses: the end is partly flat.
+        thinner = library.stack([library.asarray(size[1], float) for size in own]) / beside[1]
+        partly = 1 - library.minimum(thinner, 1.0) ** 3
+        flags = library.stack([library.maximum(flags[0], partly), library.asarray(flags[1], float)])
         properties = {**member.properties, "clamped": library.concatenate([flags, beside])}
         described.members[name] = dataclasses.replace(member, properties=properties)
     return described

@@ -138,7 +138,7 @@ class Leaf(Sheared):
 
     Attributes:
         section: Rectangle, or section whose rectangles vary smoothly.
-        clamped: 1 for an end that a clamp keeps flat, otherwise 0, for the first end and the last, (2,).
+        clamped: 1 for an end that a clamp keeps flat, 0 for a free end, between beside a thicker leaf spring, (2,).
         beyond: Distance from each end to its clamp in line, (2,) [m].
         initial: Initial curvature of the beam, or None for a straight beam.
         ends: Skew cuts, steps and roots at both ends, or None.

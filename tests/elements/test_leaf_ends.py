@@ -355,12 +355,12 @@ WIDENED = {
 @pytest.mark.slow
 @pytest.mark.parametrize(("lengths", "ends", "middle", "solid"), WIDENED.values(), ids=WIDENED)
 def test_steps_in_width_and_thickness_beside_solid_elements(lengths, ends, middle, solid):
-    """Coarse meshes, 0.7 % off at most; largest deviations 0.6, 0.6, 2.9, 3.0, 3.1 and 0.4 %; before, up to 24 %."""
+    """Coarse meshes, 0.7 % off at most; largest deviations 1.1 %, in torsion 3.0 %. Without (2.70) up to 24 %."""
     parts = [(length, *sizes) for length, sizes in zip(lengths, (ends, middle, ends), strict=True)]
     with warnings.catch_warnings():
         warnings.simplefilter("error", fm.BeamTheoryWarning)
         found = stiffnesses(strip(parts), "n3")[:6]
-    assert np.all(np.abs(found / solid - 1) < [0.01, 0.01, 0.032, 0.032, 0.034, 0.01])
+    assert np.all(np.abs(found / solid - 1) < [0.012, 0.01, 0.014, 0.032, 0.014, 0.01])
 
 
 # Of the narrow strip, in widths of it over its rigidity, solid elements: narrow over wide, then EA, GIt, EIy and EIz.
