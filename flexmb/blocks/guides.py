@@ -94,8 +94,8 @@ def double_parallel_guide(
     Args:
         b: Builder of the mechanism.
         base: Name of the node whose body carries the outer leaf springs.
-        stage: Name of the node whose body the inner leaf springs carry; made in the middle of their ends, beside the
-            feet.
+        stage: Name of the node whose body the inner leaf springs carry. If it does not exist, it is made in the middle
+            between the ends of the inner leaf springs, level with the feet of the outer leaf springs.
         length: Length of the leaf springs, () [m].
         spacing: Distance between the outer leaf springs, on the base, () [m].
         inner: Distance between the inner leaf springs, which carry the stage, () [m]; it may be larger.

@@ -1,4 +1,4 @@
-"""Rotations in space that are FIXED about two global axes: the hinge about the third axis gets FIXED tilts instead."""
+"""Rotations FIXED about two global axes in space: FIXED tilts of the hinge about the third axis replace both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Designs that cannot be built: for many designs at once, the checks of a build with known numbers.
+"""Designs that cannot be built, found by the checks of an untraced build, for many designs at once.
 
 A traced build cannot check its numbers: it would compute a frequency for a negative thickness.
 """

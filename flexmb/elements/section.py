@@ -200,7 +200,7 @@ class Rigidity(Section):
     outline: Section | None = None
 
     def rigidity(self) -> "Rigidity":
-        """Return the numbers without an outline."""
+        """Return these rigidities without their outline."""
         return self if self.outline is None else dataclasses.replace(self, outline=None)
 
     def stress(self, resultants: Float[Array, "6"]) -> surface.Stress:

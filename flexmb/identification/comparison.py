@@ -29,7 +29,7 @@ class Comparison(Result):
         probability: Probability that scatter alone causes a chi-squared at least as large, for each model [-]; NaN if
             the data have no values.
         count: Number of values.
-        freedoms: Number of degrees of freedom of each model.
+        freedoms: Number of degrees of freedom of each mechanism, not of chi-squared.
         level: Probability above which the data distinguish the models [-].
     """
 

@@ -343,8 +343,8 @@ def buckling_loads(
     Args:
         model: Mechanism with loads; differentiable in ``model.parameters``. The multiplier scales the incremental
             loads, and the other loads are a constant preload. Without incremental loads it scales all loads, about the
-            equilibrium under these loads. If these loads bend the mechanism, the multiplier depends on the size of the
-            loads, unless it is 1.
+            equilibrium under these loads. If these loads bend the mechanism, multiplier times loads depends on the
+            size of the loads. It is the true buckling load only if the multiplier is 1.
         count: Number of multipliers of smallest size; all by default.
         sparse: Use sparse matrices; needs ``count``, but no degrees of freedom. See :func:`flexmb.equilibrium`. By
             default the size of the model decides, if ``count`` is given and no stiffness is negative. Multipliers by
@@ -365,8 +365,8 @@ def buckling_loads(
 
     Warns:
         FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex. Or the mechanism
-            deflects far before it buckles. Or, without incremental loads, it deflects by more than 0.1 of its extent or
-            0.1 rad at load factor 1.
+            deflects by a large amount before it buckles. Or, without incremental loads, it deflects by more than 0.1 of
+            its extent or 0.1 rad at load factor 1.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).

@@ -41,7 +41,7 @@ def from_axis_angle(axis: Float[ArrayLike, "3"], angle: Float[ArrayLike, ""]) ->
 
     Args:
         axis: Axis, of any nonzero length, (3,).
-        angle: Angle, counter-clockwise for an observer who looks against the axis, () [rad].
+        angle: Angle, counter-clockwise for an observer towards whom the axis points, () [rad].
 
     Returns:
         (4,) [-], scalar first.

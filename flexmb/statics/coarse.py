@@ -1,4 +1,4 @@
-"""Warnings about deformations too large for accurate results, or larger than the mechanism's position requires."""
+"""Warnings about deformations that are too large for accurate results, or larger than needed to reach a position."""
 
 from typing import Any
 

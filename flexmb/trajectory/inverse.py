@@ -161,7 +161,8 @@ def inverse_dynamics(
 
     The inputs satisfy the equations of motion along driven degrees of freedom,
     ``B0 u0 = M0 qdd + h - DFx^T f + DFe^T sigma``. Along the other degrees of freedom, the same equations give the
-    holding force ``f0``. The force of a PRESCRIBED motion is a reaction or a stress resultant of ``motion``.
+    holding force ``f0``. The force that moves a PRESCRIBED coordinate is a reaction of the result's ``motion``; the
+    force that moves a PRESCRIBED deformation is one of its stress resultants.
 
     Args:
         model: Mechanism with named inputs; differentiable in ``model.parameters``.
@@ -171,7 +172,8 @@ def inverse_dynamics(
         times: Ascending times of the results, (n_t,) [s]. Between two times flexmb moves the wanted quantities on a
             straight line. If a quantity leaves its value and returns to it between two times, flexmb does not notice.
         driven: Names of the degrees of freedom that follow laws of other coordinates and outputs, as many as laws.
-            None: the degrees of freedom without stiffness, or all, if the number fits.
+            None: the degrees of freedom without stiffness, if there are as many of them as such laws; otherwise all
+            degrees of freedom without a law of their own, if there are as many of these.
         inputs: Names of the driving inputs, one for each driven degree of freedom; other inputs are zero. None: all
             inputs.
         throw: Raise if there is no such motion; otherwise the code is in ``result``.

@@ -1,4 +1,4 @@
-"""Targets: reader of texts with units, checks, and new numbers in the notation of the old text."""
+"""Targets: reads their texts with units, checks them, and writes tuned numbers in the notation of the old text."""
 
 from __future__ import annotations
 
