@@ -288,8 +288,8 @@ def _warn_of_moving(multiplier: Array, moved: Array, all_scaled: bool) -> None:
     elif np.isfinite(lowest) and all_scaled and float(moved) > BENT_BY_LOADS:
         warn(
             f"At load factor 1, these loads move the mechanism by {float(moved):.2g} times its extent, or turn it by"
-            f" as many radians. Load multipliers refer to this state: the lowest, {lowest:.4g} in size, depends on the"
-            " size of the loads, unless it is 1. For multipliers about the unloaded mechanism, give the loads"
+            f" as many radians. Load multipliers refer to this state: the lowest, {lowest:.4g} in size, times the loads"
+            " is the buckling load only if it is 1. For multipliers about the unloaded mechanism, give the loads"
             " increment=True, or follow the path (fm.path, mode 10)."
         )
 
