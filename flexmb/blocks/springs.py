@@ -31,8 +31,9 @@ def folded_leaf_spring(
 
     If the end may turn, two equal legs at a right angle have the compliance 2 (length^3/(3 EIz) + length/(GA k)) +
     length^3/GIt along the fold line by beam theory, with EIz in the plane of a leg. Restrained warping makes them
-    stiffer, by some 14 % for a width of a third of a leg's length. ``build()`` decides whether the legs form a fold.
-    For traced sizes, build the model inside ``fm.tune``, ``fm.sweep`` or a similar function.
+    stiffer, by some 14 % for a width of a third of a leg's length. ``build()`` decides by the numbers whether the legs
+    form a fold. If sizes are traced, it cannot read them by itself: build the model in a function that you pass to
+    ``fm.tune``, ``fm.sweep`` or the like.
 
     Args:
         b: Builder of the mechanism.

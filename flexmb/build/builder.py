@@ -521,7 +521,8 @@ class Builder(Description):
         Args:
             element: Name of the element.
             values: Values from the first deformation on [m, rad].
-            named: Values by name of the deformation; for a strain field its mean [m, rad].
+            named: Values by name of the deformation; the name of a strain of a spectral beam or leaf spring takes the
+                mean strain times the length [m, rad].
 
         Raises:
             ModelError: The element or the deformation (closure of a spectral beam) has no stiffness; a deformation is

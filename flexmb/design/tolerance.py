@@ -127,9 +127,10 @@ def tolerances(
 
     Warns:
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
-            example near two coinciding frequencies. This check covers the twenty dimensions with the largest shares,
-            by derivatives one deviation to both sides. Or some samples, or designs for the error of the second order,
-            have no answer.
+            example near two coinciding frequencies. This check changes one dimension at a time by plus and minus one
+            standard deviation, and computes the derivatives there; it covers the twenty dimensions with the largest
+            shares. flexmb also warns if random designs have no answer: samples, or the designs from which the error
+            of the second order is computed.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2

@@ -345,10 +345,12 @@ class Element:
         return _parameters_of(self, companion)
 
     def arguments(self, companion: Callable[..., Any] | None, properties: dict[str, Any]) -> dict[str, Any] | None:
-        """Properties and options in the signature of a companion, or None if the properties rule out the companion.
+        """Arguments for one of this element's functions: the properties and options that its signature names.
+
+        None if there is no such function, or if a property that it requires is None. The element then goes without it.
 
         Args:
-            companion: One of this element's functions, or None.
+            companion: The function, such as ``energy`` or ``stiffness``, or None.
             properties: All properties of the element.
         """
         if companion is None:

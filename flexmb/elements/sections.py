@@ -213,7 +213,8 @@ class Rectangle(Section):
         material: Material.
         shear: Whether shear deformation is counted, with k = 10 (1 + nu)/(12 + 11 nu) (Cowper 1966).
         rotary: Whether the rotary inertia of the section is counted.
-        torsion: "series" or "approximate" (4.9).
+        torsion: Torsion constant: "series", or "approximate" by tutorial WA 1239 (2012), eq. (4.9), see
+            :func:`torsion_approximate`.
         warping_length: Length of the whole leaf spring [m] for restrained warping at clamped ends, otherwise None.
         clamped_ends: Number of ends at which warping is restrained.
         warping_modulus: "plate" or "beam", see :func:`warping_factor`; it also applies to the warping rigidity EIw.

@@ -260,7 +260,8 @@ def limit_load(
         ValueError: ``sparse`` contradicts ``solver``.
 
     Source:
-        At a limit point psi^T K = 0, so that psi^T of the differentiated equilibrium contains no displacement.
+        Differentiate the equilibrium by a parameter and multiply the result by psi^T. At a limit point psi^T K = 0, so
+        that the product does not contain the derivative of the displacement.
     """
     model = as_model(model, "limit_load")
     large = by_sparse(model, sparse, known_solver(solver))

@@ -45,10 +45,10 @@ def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:
     """Write a mechanism as a SPACAR input file that :func:`read_spacar` reads back to the same mechanism.
 
     Nodes and elements whose names are no numbers get numbers; comments contain their names. Sections become rigidities,
-    and sizes for drawing (CROSSTYPE, CROSSDIM). From these sizes the reader computes stress, without strength or
-    fatigue. Sections of leaf springs become SECTION. The file does not contain comments of a file that was read, names
-    of inputs and outputs, and user routines. It contains only degrees of freedom that are named with ``dof()``, not the
-    ones that ``build()`` finds.
+    and sizes for drawing (CROSSTYPE, CROSSDIM). From these sizes, a model read from the file computes stress, but does
+    not compare it with strength or fatigue limit. Sections of leaf springs become SECTION. The file does not contain
+    comments of a file that was read, names of inputs and outputs, and user routines. It contains only degrees of
+    freedom that are named with ``dof()``, not the ones that ``build()`` finds.
 
     Args:
         model: Builder, or a result of read_spacar with its settings.
