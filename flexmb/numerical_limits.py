@@ -390,6 +390,9 @@ GROWING_NOISE = 1e-10
 """A motion grows if its pole has a real part above this share of the largest pole. Round-off moves the double pole of a
 free motion by its root."""
 
+UNRESOLVED_SHARE = 0.02
+"""Frequencies do not resolve a resonance if they change a mean square by this share (the root mean square by half)."""
+
 DRIFTING_NOISE = 0.01
 """An output drifts if its spectrum at the begin of a band from 0 Hz, times that frequency, exceeds this share of the
 sum."""

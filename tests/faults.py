@@ -4051,6 +4051,12 @@ FAULTS = [
         "control/test_noise.py -k resonance_without",
     ),
     Fault(
+        "control/noise_frequencies.py",
+        "if abs(excess) > UNRESOLVED_SHARE",
+        "if abs(excess) > 1e9 * UNRESOLVED_SHARE",
+        "control/test_noise.py -k do_not_resolve_a_resonance",
+    ),
+    Fault(
         "control/noise.py",
         "DRIFTING_NOISE * np.asarray",
         "1e9 * np.asarray",

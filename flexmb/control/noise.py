@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Bool, Complex, Float
 
-from ..arguments import check_numbers, is_concrete, short_repr
+from ..arguments import check_numbers, is_concrete, short_repr, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, Summary, listed, short, span
@@ -20,7 +20,7 @@ from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen
 from ..math.lyapunov import lyapunov
 from ..model.model import Model
-from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE
+from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE, UNRESOLVED_SHARE
 from ..statics.equilibrium import Equilibrium
 from .feedback import Controller, EnergyForm, Places, closed, closed_by_frequency, energy_form, feedback_controller
 from .frequency_response import check_hertz, place_of_name, places_of_names, response_of
@@ -31,7 +31,9 @@ from .noise_frequencies import (
     filled,
     frequencies_of_density,
     refined_frequencies,
+    responses_at,
     undamped_within,
+    unresolved_resonances,
 )
 from .second_order_form import SecondOrder, second_order
 from .state_space import damped_without_mass
@@ -151,7 +153,9 @@ def noise_budget(
     Args:
         model: Mechanism, or its linearisation such as ``fm.damped(model, ratio=0.01)``; differentiable in its
             parameters.
-        hertz: Ascending frequencies, (n_f,) [Hz], dense enough to resolve every resonance.
+        hertz: Ascending frequencies, (n_f,) [Hz], with three or more within the half-power width of each resonance.
+            flexmb warns if they do not resolve a resonance, unless numbers are traced by ``jax.jit`` or the controller
+            is a function, so that the poles of its loop are unknown.
         sources: One-sided power spectral densities [unit^2/Hz]: a number, an array, (n_f,), for ``hertz``, or a
             function of frequencies, (n_f,) [Hz]. Keys are names of inputs, for noise added to the input, such as the
             motion of a floor. Or "sensor " and the name of an output, for noise added to the controller's reading.
@@ -185,8 +189,9 @@ def noise_budget(
             a controller that is a function.
 
     Warns:
-        FlexmbWarning: A root mean square is infinite; a spectrum grows towards 0 Hz, where the band starts; a density
-            function, or a loop with a controller function, has peaks that are too sharp to resolve.
+        FlexmbWarning: ``hertz`` do not resolve a resonance; a root mean square is infinite; a spectrum grows towards
+            0 Hz, where the band starts; a density function, or a loop with a controller function, has peaks that are
+            too sharp to resolve.
 
     Source:
         THEORY.md 14, eq. (14.33) to (14.37).
@@ -220,6 +225,9 @@ def noise_budget(
         wanted=chosen_outputs,
     )
     budget = NoiseBudget(over.hertz, spectra, below, variances, tuple(outs[i] for i in chosen_outputs), entering.names)
+    if hertz is not None and over.poles is not None:
+        known, frequencies, noise = undifferentiated((lin, over, budget))
+        _warn_unresolved(known, frequencies, noise, loop, entering, chosen_outputs)
     if is_concrete(budget):
         _warn_infinite(budget)
         if band is not None and band[0] == 0:
@@ -290,12 +298,14 @@ class _Frequencies(NamedTuple):
         steps: Width that each frequency of a band represents, and its place in such widths; None for trapezia.
         settles: Whether noise is bounded.
         whole: State space for the exact sum over all frequencies.
+        poles: Poles of the mechanism or its loop, (n,) [rad/s]; None if they are unknown.
     """
 
     hertz: Any
     steps: tuple[Float[Array, "n_f"], Float[Array, "n_f"]] | None
     settles: Bool[Array | np.ndarray, ""]
     whole: EnergyForm | None
+    poles: Complex[Array, "n"] | None = None
 
 
 def _frequencies(
@@ -333,7 +343,7 @@ def _frequencies(
         settles = settles & ~jnp.any(undamped)
         if is_concrete((undamped, poles)):
             _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
-    return _Frequencies(grid, steps, settles, noise_system if exact else None)
+    return _Frequencies(grid, steps, settles, noise_system if exact else None, poles)
 
 
 def _asked_by_densities(entering: _Entering, band: tuple[float, float]) -> np.ndarray | None:
@@ -351,7 +361,7 @@ def _band(band: Any) -> tuple[float, float]:
     return low, high
 
 
-def _density(name: str, specified: Any, grid: Float[Array, "n_f"]) -> Float[Array, "*n_f"]:
+def _density(name: str, specified: Any, grid: Float[Array | np.ndarray, "n_f"]) -> Float[Array, "*n_f"]:
     """Density of a source at all frequencies, or one for all of them."""
     density: Any = specified(grid) if callable(specified) else specified
     check_numbers(f"Density of source '{name}'", density, grid.shape if np.ndim(density) else ())
@@ -388,6 +398,44 @@ def _refuse_undamped(poles: Any) -> None:
             f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping. Its noise is"
             " unbounded. Damp it, such as by fm.damped(model, ratio=0.01), or give a band without it.",
         )
+
+
+def _warn_unresolved(
+    lin: Linearization,
+    over: _Frequencies,
+    noise: NoiseBudget,
+    loop: Controller | None,
+    entering: _Entering,
+    wanted: tuple[int, ...],
+) -> None:
+    """Warn of a resonance that the given frequencies do not resolve, by its own share in a mean square."""
+    if not is_concrete((lin, over, noise, loop and loop.matrices, entering.densities)):
+        return
+    grid = np.asarray(over.hertz, float)
+    sharp = unresolved_resonances(np.asarray(over.poles), grid)
+    if not len(sharp.hertz):
+        return
+    densities = []
+    for name, specified in zip(entering.names, entering.densities, strict=True):
+        density = np.interp(sharp.hertz, grid, specified) if np.ndim(specified) else specified
+        densities.append(np.broadcast_to(_density(name, density, sharp.hertz), sharp.hertz.shape))
+    responses = responses_at(lin, loop, entering.entries, sharp.hertz)[:, list(wanted)]
+    peaks = np.abs(responses) ** 2 * np.stack(densities, axis=1)[:, None]
+    excess, area = (part[:, None, None] for part in (sharp.excess, sharp.area))
+    variances = np.asarray(noise.variances)
+    least = np.max(peaks * area, axis=0)
+    true = np.maximum(variances - np.sum(peaks * excess, axis=0), least)
+    shares = np.abs(peaks * excess) / np.where(true > 0, true, np.inf)
+    if not np.max(shares) > UNRESOLVED_SHARE:
+        return
+    k, i, j = np.unravel_index(np.argmax(shares), shares.shape)
+    f, off = sharp.hertz[k], abs(np.sqrt(variances[i, j] / true[i, j]) - 1)
+    warn(
+        f"The frequencies `hertz` do not resolve the resonance at {f:.5g} Hz, whose half-power width is"
+        f" {sharp.width[k]:.2g} Hz: the root mean square of '{noise.outputs[i]}' by '{noise.sources[j]}' is off by some"
+        f" {100 * off:.2g} %. Use band=({grid[0]:.5g}, {grid[-1]:.5g}), for which flexmb chooses the frequencies, or"
+        " give three frequencies or more within this width."
+    )
 
 
 def _warn_infinite(noise: NoiseBudget) -> None:
@@ -449,7 +497,7 @@ def _budget(
     wanted: tuple[int, ...],
 ):
     """Spectra, cumulative sums and variances: within the grid, or exact."""
-    (grid, steps, settles, noise_system), rows = over, np.array(wanted)
+    (grid, steps, settles, noise_system, _), rows = over, np.array(wanted)
     density = jnp.stack([jnp.broadcast_to(part, grid.shape) for part in densities], axis=1)[:, None, :]
     responses = closed_by_frequency(plant, gain, places, *entries)[:, rows]
     size = jnp.real(responses) ** 2 + jnp.imag(responses) ** 2

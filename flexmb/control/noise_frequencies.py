@@ -1,7 +1,7 @@
 """Frequencies at which noise is summed: chosen by poles and densities, or by the responses of a loop."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -19,6 +19,7 @@ from ..numerical_limits import (
     FREE_POLE,
     NEAREST_FREQUENCIES,
     POLE_AT_REST,
+    UNRESOLVED_SHARE,
 )
 from .feedback import Controller, closed_by_frequency
 from .frequency_response import response_of
@@ -41,6 +42,51 @@ def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bo
     hertz, largest = jnp.imag(poles) / (2 * np.pi), jnp.max(sizes)
     vibrates = (jnp.abs(jnp.real(poles)) <= DECAYING_POLE * largest) & (sizes > FREE_POLE * largest)
     return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
+
+
+class Unresolved(NamedTuple):
+    """Resonances that given frequencies do not resolve.
+
+    Attributes:
+        hertz: Frequencies of their peaks, (n,) [Hz].
+        width: Distances between their frequencies of half power, (n,) [Hz].
+        area: Areas below peaks of height one between the first and the last given frequency, (n,) [Hz].
+        excess: Areas by the trapezoidal rule at the given frequencies minus ``area``, (n,) [Hz].
+    """
+
+    hertz: np.ndarray
+    width: np.ndarray
+    area: np.ndarray
+    excess: np.ndarray
+
+
+def unresolved_resonances(poles: np.ndarray, grid: np.ndarray) -> Unresolved:
+    """Resonances whose peak 1/(1 + x^2), x from the frequency over half the width, the trapezoidal rule sums wrongly.
+
+    The sum over a uniform grid is wrong by 2 exp(-pi n) for n frequencies within the width (Poisson's formula).
+    """
+    place, half = np.imag(poles) / (2 * np.pi), np.abs(np.real(poles)) / (2 * np.pi)
+    rows = []
+    for f, h in zip(place, half, strict=True):
+        if f < 0 or h == 0:
+            continue
+        x = (grid - f) / h
+        area = h * (np.arctan(x[-1]) - np.arctan(x[0]))
+        excess = np.trapezoid(1 / (1 + x**2), grid) - area
+        if abs(excess) > UNRESOLVED_SHARE / 2 * np.pi * h:
+            rows.append((f, 2 * h, area, excess))
+    return Unresolved(*np.array(rows).reshape(-1, 4).T)
+
+
+def responses_at(lin: Any, loop: Controller | None, entries: tuple[tuple[int, ...], ...], hertz: np.ndarray) -> Any:
+    """Responses of outputs to sources at concrete frequencies, with or without a controller of known matrices."""
+
+    def responses(hertz: Any):
+        plant = response_of(lin, hertz, None, None, None, None).response
+        gain, places = (None, None) if loop is None else (loop.by_frequency(hertz), (loop.measured, loop.driven))
+        return np.asarray(closed_by_frequency(plant, gain, places, *entries))
+
+    return _in_blocks(responses, hertz)
 
 
 def refined_frequencies(lin: Any, loop: Controller, entries: tuple[tuple[int, ...], ...], grid: Any) -> np.ndarray:

@@ -243,7 +243,7 @@ def test_noise_and_inputs_along_a_trajectory_have_names_and_units():
     b.input("cart", "x", name="push")
     b.output("cart", "x", quantity="velocity", name="speed")
     model = b.build()
-    budget = fm.control.noise_budget(model, [1.0, 2.0, 3.0], sources={"push": 1e-4})
+    budget = fm.control.noise_budget(model, np.linspace(1, 3, 101), sources={"push": 1e-4})
     data = budget.to_xarray()
     assert data.density.dims == ("frequency", "output", "source")
     np.testing.assert_array_equal(data.density.sel(output="speed", source="push"), budget.spectrum("speed"))
