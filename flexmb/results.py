@@ -102,7 +102,7 @@ class RESULTS(enum.IntEnum):
     ran_away = (
         15,
         "The motion runs away: a coordinate exceeds a hundred million radians, or a hundred million times the size of"
-        " the mechanism. The loop of a controller is unstable (see fm.control.closed_loop(model, controller)), a"
+        " the mechanism. The loop of a controller is unstable (see fm.control.closed_loop), a"
         " stiffness or damping is negative, or a load grows without bound. The results up to there are kept.",
     )
     lost_in_round_off = (

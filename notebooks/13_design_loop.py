@@ -192,7 +192,7 @@ for label, dimensions in designs.items():
     model = guide(dimensions["thickness"], start=release)
     kp = held - float(fm.stiffness(model, "B", "x"))
     a, b, c = controller(kp, dimensions["kd"])
-    motion = fm.simulate(model, times, control=control.ss(a, b, c, np.zeros((1, 2))))
+    motion = fm.simulate(model, times, control=control.ss(a, b, c, np.zeros((1, 2))), sign=1)
     position = np.asarray(motion.at("B")[:, 0])
     settling[label] = float(times[np.flatnonzero(np.abs(position) > 0.02 * release)[-1] + 1])
     ax.plot(1e3 * times, 1e3 * position, label=f"{label}: settled after {1e3 * settling[label]:.1f} ms")

@@ -621,7 +621,30 @@ FAULTS = [
         "control/test_nonlinear_system.py",
     ),
     # Motion.
-    Fault("motion/loop.py", "return target - y", "return y - target", "motion/test_simulate.py -k linear_mechanism"),
+    Fault(
+        "motion/loop.py", "return target - read", "return read - target", "motion/test_simulate.py -k linear_mechanism"
+    ),
+    Fault("motion/loop.py", "return sign * read", "return read", "motion/test_loop.py -k positive_feedback", slow=True),
+    Fault(
+        "motion/loop.py",
+        "if loop.sign is None and controller.reads is not None",
+        "if loop.sign is None and controller.reads",
+        "motion/test_loop.py -k positive_feedback",
+        slow=True,
+    ),
+    Fault(
+        "motion/loop.py",
+        "target = target[places]",
+        "target = target[: len(places)]",
+        "motion/test_loop.py -k reads_by_name",
+        slow=True,
+    ),
+    Fault(
+        "control/stability.py",
+        "inner, inner_loop = _without_given_motion(plant, driven), loop",
+        "inner, inner_loop = plant, loop",
+        "control/test_loops.py -k leaves_out_the_given_motion",
+    ),
     Fault(
         "motion/controllers.py",
         "return at_time(a, t) @ z + at_time(b, t) @ y",

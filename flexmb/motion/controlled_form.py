@@ -30,7 +30,7 @@ class Feedback(Record):
         windup: Rate of the states per excess of the inputs over their limits, (n_z, n_u), or a Table of this rate over
             time. :func:`flexmb.control.saturated` uses it to stop integrators from winding up. None if nothing winds
             up.
-        reads, drives: Names of the connected outputs and inputs; None to connect all in order.
+        reads, drives: Names of the connected outputs and inputs; None or empty to connect all in order.
     """
 
     output: Callable[..., Any]

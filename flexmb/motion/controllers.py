@@ -54,7 +54,8 @@ def linear_controller(
     Each of the four matrices may be a :class:`Table` over time.
     """
     a, b, c, d = matrices
-    names: Any = {"windup": windup, "reads": reads, "drives": drives}
+    # Empty names, not None, show that the controller is a linear system.
+    names: Any = {"windup": windup, "reads": reads or (), "drives": drives}
     count = np.shape(a.values if isinstance(a, Table) else a)[-1]
 
     def output(t: Float[Array, ""], z: Any, y: Float[Array, "n_y"]):
@@ -187,25 +188,30 @@ def check_sizes(system: Any, inputs: Sequence[str], outputs: Sequence[str]) -> N
     by_name = signal_places(reads, outputs, "output"), signal_places(drives, inputs, "input")
     sizes = zip(by_name, shape[::-1], (outputs, inputs), strict=True)
     if any(places is None and size != len(names) for places, size, names in sizes):
+        few = shape[1] <= len(outputs) and shape[0] <= len(inputs)
+        reads, drives = (
+            [name.replace(".", " ") for name in names] for names in (outputs[: shape[1]], inputs[: shape[0]])
+        )
+        such_as = f", such as control.ss(controller, inputs={reads}, outputs={drives})" if few else ""
         raise ModelError(
             f"The controller has {shape[1]} inputs and {shape[0]} outputs, but the mechanism has {len(outputs)}"
             f" outputs ({', '.join(outputs)}) and {len(inputs)} inputs ({', '.join(inputs)}). Connect it by these"
-            " names, or give it as many."
+            f" names{such_as}; or give it as many."
         )
 
 
 def connected(controller: Feedback | Sampled, inputs: Sequence[str], outputs: Sequence[str], seen: Callable):
     """A controller of the same kind between all outputs and inputs of a mechanism.
 
-    Its signals are matched by name if it has the mechanism's names, else by order. `seen` maps time and outputs of the
-    mechanism to what the controller reads.
+    Its signals are matched by name if it has the mechanism's names, else by order. `seen` maps time, all outputs, and
+    the places of those that the controller reads by name (or None), to what the controller reads.
     """
     reads = signal_places(controller.reads, outputs, "output")
+    places = None if reads is None else np.array(reads)
     drives = signal_places(controller.drives, inputs, "input")
 
     def signals_read(t: Float[Array, ""], y: Float[Array, "n_y"]):
-        y = seen(t, y)
-        return y if reads is None else y[np.array(reads)]
+        return seen(t, y, places)
 
     def everywhere(output: Any):
         u = returned("The controller", output)

@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import jax.core
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_reals, check_number, check_real, is_concrete, returned
+from ..arguments import (
+    as_floats,
+    as_reals,
+    check_number,
+    check_numbers,
+    check_real,
+    is_concrete,
+    numbers,
+    returned,
+    short_repr,
+)
 from ..checks.mobility import locked_inputs
 from ..compilation.program import captured
 from ..compilation.record import Record
@@ -20,8 +30,8 @@ from ..display import kind_of
 from ..errors import ModelError, first_line, warn
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
-from .controlled_form import ControlledForm, Feedback, PortPlaces, driven_by_inputs
-from .controllers import Sampled, check_sizes, connected, controller_of
+from .controlled_form import Constant, ControlledForm, Feedback, PortPlaces, driven_by_inputs
+from .controllers import Sampled, check_sizes, connected, controller_of, matrices_of
 from .coordinates_form import CoordinatesForm
 
 # With this number of coordinates a controlled motion takes tens of seconds: 1000 or more steps of 10 ms.
@@ -37,28 +47,65 @@ class Loop(Record):
             function ``u = control(t, y)``; a :class:`Feedback` or a :class:`Sampled`, which functions of
             :mod:`flexmb.control` return. flexmb connects a system by name if it has the names of the model's inputs and
             outputs, otherwise by order.
-        reference: Wanted outputs as a function of time. The controller then reads reference - y, otherwise y.
+        reference: Wanted outputs, as a function of time or constant: the controller reads reference - y. One value for
+            each output of the model, in the order of the builder; or for each output that a system reads by name, in
+            the order of its inputs. ``reference=0`` is zero for all outputs.
+        sign: As for :func:`flexmb.control.closed_loop`, without a reference: 1 if the controller reads y, -1 if it
+            reads -y, as with ``reference=0``. The default is 1; flexmb then warns if the controller is a linear system,
+            for which negative feedback is usual.
     """
 
     control: Any = None
-    reference: Callable | None = None
+    reference: Callable | ArrayLike | None = None
+    sign: Literal[1, -1] | None = None
 
 
 # Functions of controllers.
 FUNCTIONS = ("step", "output", "rate")
 
 
-def _seen(y: Float[Array, "n_y"], t: Float[Array, ""], reference: Callable[..., Any] | None):
-    """Outputs, or the reference minus the outputs."""
+def with_reference_as_function(loop: Loop) -> Loop:
+    """Loop whose reference is a function of time, or None with a sign; raise for a wrong reference or sign."""
+    control, reference, sign = loop.control, loop.reference, loop.sign
+    if sign is not None and (isinstance(sign, bool) or sign not in (-1, 1)):
+        raise ValueError(f"Argument `sign` must be -1 or 1, but is {short_repr(sign)}.")
+    if control is None:
+        for name, value in (("reference", reference), ("sign", sign)):
+            if value is not None:
+                raise ValueError(f"Argument `{name}` needs a controller. Give `control` too.")
     if reference is None:
-        return y
+        return loop
+    if sign == 1:
+        raise ValueError("With a `reference`, the controller reads reference - y, which is sign=-1. Leave out `sign`.")
+    if callable(reference):
+        return dataclasses.replace(loop, sign=-1)
+    if is_concrete(reference) and numbers(reference) is None:
+        raise TypeError(
+            "Argument `reference` must be a number, numbers, or a function of time that returns a number for each"
+            f" output that the controller reads, such as lambda t: 1e-3, not {kind_of(reference)}."
+        )
+    check_numbers("Argument `reference`", reference)
+    zero = np.ndim(reference) == 0 and is_concrete(reference) and float(np.asarray(reference)) == 0.0
+    return dataclasses.replace(loop, reference=None if zero else Constant(as_floats(reference)), sign=-1)
+
+
+def _seen(
+    y: Float[Array, "n_y"], t: Float[Array, ""], places: Any, reference: Callable[..., Any] | None, sign: int
+) -> Any:
+    """Outputs at places, or their references minus these outputs."""
+    read = y if places is None else y[places]
+    if reference is None:
+        return sign * read
     target = reference(t)
-    if target.shape != y.shape:
+    if places is not None and target.shape == y.shape:
+        target = target[places]
+    if target.shape != read.shape:
+        by_name = f", or for each of the {len(places)} outputs that the controller reads" if places is not None else ""
         raise ModelError(
             f"`reference` returns shape {target.shape}, but the mechanism has {y.shape[0]} outputs. Return one value"
-            " for each output, in the order of the builder."
+            f" for each output, in the order of the builder{by_name}."
         )
-    return target - y
+    return target - read
 
 
 def check_signals(model: Model, needs: str) -> None:
@@ -91,8 +138,6 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
     """Feedback of a controller around a mechanism with named inputs and outputs; None without a controller."""
     control, reference = loop.control, loop.reference
     if control is None:
-        if reference is not None:
-            raise ValueError("Argument `reference` needs a controller. Give `control` too.")
         return None
     inputs, outputs = ([s.name for s in signals] for signals in (model.labels.inputs, model.labels.outputs))
     check_signals(model, "A controller")
@@ -107,22 +152,32 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
     controller = controller_of(control)
     if hasattr(control, "D") or hasattr(control, "num"):
         check_sizes(control, inputs, outputs)
+    if loop.sign is None and controller.reads is not None and _acts(control):
+        warn(
+            "The controller is a linear system without a reference: it reads y, so the feedback is positive, as in"
+            " fm.control.closed_loop(model, controller, sign=1). For negative feedback, give `reference`, such as"
+            " reference=0. If the controller must read y, give sign=1."
+        )
     if reference is not None:
-        if not callable(reference):
-            raise TypeError(
-                "Argument `reference` must be a function of time that returns a number for each output that the"
-                f" controller reads, such as lambda t: 1e-3, not {kind_of(reference)}."
-            )
-        reference_law = reference
+        reference_law: Any = reference
         reference = captured(
             lambda t: returned("Argument `reference`", reference_law(t)), jax.ShapeDtypeStruct((), jnp.float64)
         )
-    controller = connected(controller, inputs, outputs, lambda t, y: _seen(y, t, reference))
+    sign = loop.sign or 1
+    controller = connected(controller, inputs, outputs, lambda t, y, places: _seen(y, t, places, reference, sign))
     if isinstance(controller, Sampled):
         _check_sampled(controller, len(inputs), len(outputs))
     elif (controller.rate is None) != (controller.start is None):
         raise ModelError("A Feedback needs both `rate` and `start` of its states, or neither.")
     return _captured_controller(controller, len(outputs))
+
+
+def _acts(control: Any) -> bool:
+    """Whether a controller may have an output that is not zero."""
+    if not hasattr(control, "D") and not hasattr(control, "num"):
+        return True
+    _, _, c, d = matrices_of(control)[0]
+    return not is_concrete((c, d)) or bool(np.any(c) or np.any(d))
 
 
 def _captured_controller(controller: Feedback | Sampled, count: int):

@@ -36,7 +36,7 @@ from .form_choice import check_form, chosen_form
 from .full_turns import warn_of_full_turns
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
 from .integrator import Integrator
-from .loop import Loop, as_feedback, with_functions
+from .loop import Loop, as_feedback, with_functions, with_reference_as_function
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
@@ -65,7 +65,8 @@ class Keywords(TypedDict, total=False):
     increment: Callable | None
     jumps: ArrayLike | None
     control: Any
-    reference: Callable | None
+    reference: Callable | ArrayLike | None
+    sign: Literal[1, -1] | None
     form: Literal["coordinates", "reduced", "chain", "tree"] | None
     rtol: float
     atol: float | None
@@ -110,7 +111,8 @@ def simulate(
             a velocity, the degrees of freedom and their rates keep their values of this start. The other coordinates
             follow.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs, increment, jumps.
-        loop: Controller around the mechanism: control, reference.
+        loop: Controller around the mechanism: control, reference, sign. Without a reference and a sign, a controller
+            reads y: a linear system then is positive feedback, of which flexmb warns.
         integrator: Equations, solver, tolerances and steps: form, rtol, atol, solver, controller, dt0, adjoint, event,
             max_steps.
         progress: True for a progress bar, or a function of the number of parts done and of all parts. flexmb cuts the
@@ -133,6 +135,7 @@ def simulate(
             controller returns a number that is not finite; the message contains its name and the time.
 
     Warns:
+        FlexmbWarning: A linear system as controller has neither ``reference`` nor ``sign``.
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
             flexmb chose; a strain or an imperfection causes stress at the start; a controller acts on a mechanism of 60
             coordinates or more.
@@ -145,6 +148,7 @@ def simulate(
     """
     as_model(model, "simulate")
     drives, loop, integrator = _records(drives, loop, integrator, keywords)
+    loop = with_reference_as_function(loop)
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"Argument `progress` must be True, False or a function, not {short_repr(progress)}.")
     given_times = checked_times(times)
@@ -179,7 +183,7 @@ def simulate(
         warn_of_start(motion, start)
     if throw and is_concrete(motion.result) and int(motion.result) not in (RESULTS.successful, RESULTS.stopped):
         _refuse_by_cause(motion, start, problem, integrator, given_times, (drives, loop))
-    _check_motion(motion, run.jumped, throw and not stopped)
+    _check_motion(motion, run.jumped, throw and not stopped, loop)
     _warn_of_energy(motion, integrator)
     warn_of_coarse(model, motion.e)
     if feedback is not None:
@@ -268,7 +272,8 @@ def _stops(
     """Times at which functions of time change suddenly."""
     of_time = [drive.value for drive in driven]
     if loop.reference is not None and not isinstance(feedback, Sampled):
-        of_time.append(captured(loop.reference, as_floats(0.0)))
+        reference: Any = loop.reference
+        of_time.append(captured(reference, as_floats(0.0)))
     return sudden_changes(of_time, np.asarray(times)[[0, -1]], named=drives.jumps is not None)
 
 
@@ -293,11 +298,14 @@ def _integrated(
         return integrate(problem, integrator, span, times, at)
 
 
-def _check_motion(motion: Motion, jumped: Any, throw: bool) -> None:
+def _check_motion(motion: Motion, jumped: Any, throw: bool, loop: Loop) -> None:
     """Raise for a failed motion, and warn of forces that jump under differentiation."""
     about = ""
     if throw and is_concrete(motion.result) and int(motion.result) == RESULTS.singular_mass:
         about = without_mass(motion.model)
+    if throw and loop.control is not None and is_concrete(motion.result) and int(motion.result) == RESULTS.ran_away:
+        reads = "reference - y" if loop.reference is not None else "-y" if loop.sign == -1 else "y"
+        about = f"This controller reads {reads}: its loop is closed_loop(model, controller, sign={loop.sign or 1})."
     check(motion.result, throw, about)
     if throw and not is_concrete(motion.x):
         # Numbers are differentiated or traced.
@@ -351,7 +359,7 @@ def _refuse_not_finite(motion: Motion, drives: Drives, loop: Loop) -> None:
     signals = [s.name for s in model.labels.inputs for _ in s.terms if s.name in (drives.inputs or {})]
     names = [f"Load '{name}'" for name in drives.loads or {}] + [f"Motion '{name}'" for name in drives.motion or {}]
     names += [f"Input '{name}'" for name in signals] + ["Argument `increment`"]
-    laws = [
+    laws: list[tuple[str, Any, bool]] = [
         (subject, drive.value, drive.quantity in MOVED) for subject, drive in zip(names, motion.driven, strict=False)
     ]
     if loop.reference is not None:

@@ -177,8 +177,82 @@ def test_a_reference_that_gives_no_number_is_named():
 
 
 def test_a_reference_that_is_no_function_is_refused():
-    with pytest.raises(TypeError, match=r"Argument `reference` must be a function of time .* not a dict"):
+    with pytest.raises(TypeError, match=r"Argument `reference` must be a number, .* a function of time .* not a dict"):
         fm.simulate(controlled(), TIMES, control=feedback, reference={"x": 1e-3})  # type: ignore[arg-type]
+
+
+def named(gain):
+    """A proportional controller of the force on the mass, connected by name."""
+    b = sprung_mass(stiffness=STIFFNESS, damping=0.0, mass=MASS)
+    b.start("mass", "x", 0.1)
+    b.input("mass", "x", name="push")
+    b.output("mass", "x", "velocity", name="pace")
+    b.output("mass", "x", name="place")
+    return b.build(), control.ss([], [], [], [[gain]], inputs=["place"], outputs=["push"])
+
+
+@pytest.mark.slow
+def test_a_linear_system_without_a_reference_is_positive_feedback():
+    """It reads y: the gain is taken from the stiffness, where a reference of zero adds it."""
+    model, gain = named(30.0)
+    stiff, soft = (0.1 * np.cos(np.sqrt((STIFFNESS + k) / MASS) * TIMES) for k in (30.0, -30.0))
+
+    def place(**options):
+        return fm.simulate(model, TIMES, rtol=1e-8, **{"control": gain, **options}).at("mass")[:, 0] - 0.4
+
+    positive = r"reads y, so the feedback is positive.*closed_loop\(.*sign=1\).*reference=0.*give sign=1"
+    for wrong in (gain, fm.control.saturated(gain, 100.0), control.ss([], [], [], [[0.0, 30.0]])):
+        with pytest.warns(fm.FlexmbWarning, match=positive):
+            np.testing.assert_allclose(place(control=wrong), soft, atol=1e-6)
+    # Warnings are errors.
+    np.testing.assert_allclose(place(sign=1), soft, atol=1e-6)
+    for options in ({"sign": -1}, {"reference": 0}, {"reference": 0.0, "sign": -1}):
+        np.testing.assert_allclose(place(**options), stiff, atol=1e-6)
+    np.testing.assert_allclose(place(control=lambda t, y: -30.0 * y[1]), stiff, atol=1e-6)
+    np.testing.assert_allclose(place(control=lambda t, y: 30.0 * y[1], sign=-1), stiff, atol=1e-6)
+
+
+@pytest.mark.slow
+def test_a_reference_of_what_a_controller_reads_by_name():
+    """A force of 30 (r - x) on the mass: it swings about 30 r/(k + 30)."""
+    model, gain = named(30.0)
+    middle = 30.0 * 0.02 / (STIFFNESS + 30.0)
+    expected = middle + (0.1 - middle) * np.cos(np.sqrt((STIFFNESS + 30.0) / MASS) * TIMES)
+    for wanted in (0.02, [0.02], [7.0, 0.02], lambda t: 0.02, lambda t: jnp.array([7.0, 0.02])):
+        found = fm.simulate(model, TIMES, control=gain, reference=wanted, rtol=1e-8)
+        np.testing.assert_allclose(found.at("mass")[:, 0] - 0.4, expected, atol=1e-6)
+    words = (
+        r"returns shape \(3,\), but .* 2 outputs.* order of the builder, or for each of the 1 outputs that the contr"
+    )
+    with pytest.raises(fm.ModelError, match=words):
+        fm.simulate(model, TIMES, control=gain, reference=np.zeros(3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("options", "reads"),
+    [({"sign": 1}, r"reads y: .*sign=1\)"), ({"reference": 1e-3}, r"reads reference - y: .*sign=-1\)")],
+)
+def test_a_motion_that_runs_away_names_the_sign_of_its_loop(options, reads):
+    gain = 200.0 * options.get("sign", -1)
+    model, controller = named(gain)
+    with pytest.raises(fm.AnalysisError, match=reads) as fault:
+        fm.simulate(model, [0.0, 10.0], control=controller, **options)
+    assert fault.value.code == "ran_away"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"control": feedback, "sign": 0}, "`sign` must be -1 or 1"),
+        ({"sign": 1}, "`sign` needs a controller"),
+        ({"control": feedback, "sign": 1, "reference": lambda t: 0.0}, "which is sign=-1. Leave out `sign`"),
+        ({"control": feedback, "reference": np.nan}, "`reference` has a value that is not a finite number"),
+    ],
+)
+def test_signs_that_contradict_are_refused(options, words):
+    with pytest.raises(ValueError, match=words):
+        fm.simulate(controlled(), TIMES, **options)
 
 
 def shaken():
