@@ -102,7 +102,7 @@ def pid(
     quantities = None
     if not isinstance(model, control.StateSpace):
         model = model if isinstance(model, Linearization) else as_model(model, "control.pid")
-        quantities = [signal.quantity for signal in model.labels.outputs]
+        quantities = [[part.quantity for part in signal.terms] for signal in model.labels.outputs]
         with heard():
             plant = to_statespace(model, modes=1)
     to, y_index = (
@@ -110,10 +110,12 @@ def pid(
         for name, names, kind in ((input, plant.input_labels, "input"), (output, plant.output_labels, "output"))
     )
     names: Any = {"inputs": [plant.output_labels[y_index]], "outputs": [plant.input_labels[to]]}
-    if quantities and quantities[y_index] not in ("position", "deformation"):
-        raise ModelError(
-            f"Output '{plant.output_labels[y_index]}' is a {quantities[y_index]}. Name an `output` that is a position."
-        )
+    for quantity in quantities[y_index] if quantities else ():
+        if quantity not in ("position", "deformation"):
+            raise ModelError(
+                f"Output '{plant.output_labels[y_index]}' measures a quantity '{quantity}'. Name an `output` that is a"
+                " position, a deformation, or a sensor of only positions and deformations."
+            )
     m, d, k = one_mass(_moved(plant[y_index, to]))
     w = 2 * np.pi * bandwidth
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,8 +80,10 @@ class ClosedLoop(Result):
             sampled if the controller is.
         opened: Open loop, from the controller's error to the mechanism's outputs.
         poles: Poles, the slowest to decay first, (n,) [rad/s]. For a sampled loop: poles of a continuous loop with the
-            same values at the samples.
-        margins: Margins for each input of the mechanism.
+            same values at the samples. Stability and margins follow from these poles. They leave out states "moved by"
+            an input that the controller does not drive, such as the place and speed of a floor: ``system`` has their
+            poles at zero too.
+        margins: Margins for each input that the controller drives.
         uncertainty: Round-off of each pole, (n,) [rad/s], at most 1e-9 of the fastest pole. The round-off of coinciding
             poles may be larger.
     """
@@ -94,7 +96,7 @@ class ClosedLoop(Result):
 
     @property
     def stable(self) -> bool:
-        """Whether all motions decay, beyond round-off."""
+        """Whether all motions decay, beyond round-off; the given motion of a floor is none of them."""
         return bool(np.all(np.real(self.poles) < -self.uncertainty))
 
     @property
@@ -173,18 +175,25 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
     spread = np.eye(len(outputs)) if own_in is None else np.eye(len(outputs))[own_in]
     gather = np.eye(len(inputs)) if own_out is None else np.eye(len(inputs))[:, own_out]
     full_controller: Any = control.ss(a, b @ spread, gather @ c, gather @ d @ spread, period or 0)
-    if period:
-        plant = _sampled(plant, period)
-    opened, returned = plant * full_controller, full_controller * plant
-    try:
-        whole_error: Any = control.ss([], [], [], np.eye(len(outputs)))
-        loop: Any = control.feedback(opened, whole_error, sign)
-    except ValueError as fault:
-        raise ModelError(f"The loop has an algebraic loop without solution: {fault}") from fault
-    values, uncertainty = _poles(loop, period)
+    whole_error: Any = control.ss([], [], [], np.eye(len(outputs)))
+
+    def looped(plant: Any) -> tuple[Any, Any, Any]:
+        plant = _sampled(plant, period) if period else plant
+        opened = plant * full_controller
+        try:
+            return opened, full_controller * plant, control.feedback(opened, whole_error, sign)
+        except ValueError as fault:
+            raise ModelError(f"The loop has an algebraic loop without solution: {fault}") from fault
+
+    driven = range(len(inputs)) if own_out is None else sorted(set(own_out))
+    opened, returned, loop = looped(plant)
+    inner, inner_loop = _without_given_motion(plant, driven), loop
+    if inner is not plant:
+        _, returned, inner_loop = looped(inner)
+    values, uncertainty = _poles(inner_loop, period)
     names: Any = {"inputs": [f"reference {name}" for name in outputs], "outputs": outputs}
     system = control.StateSpace(loop.A, loop.B, loop.C, loop.D, period or 0, **names)
-    margins = tuple(_margins(returned, i, name, sign, period, values) for i, name in enumerate(inputs))
+    margins = tuple(_margins(returned, i, inputs[i], sign, period, values) for i in driven)
     answer = ClosedLoop(system, opened, values, margins, uncertainty)
     for first in answer._growing[:1]:
         warn(
@@ -193,6 +202,18 @@ def closed_loop(model: Model | Linearization | control.StateSpace, controller: A
             " phase at that frequency, or check the signs and the order of the signals."
         )
     return answer
+
+
+def _without_given_motion(plant: Any, driven: Sequence[int]) -> Any:
+    """The plant without the states "moved by" an input that the controller does not drive, which no loop reaches."""
+    import control
+
+    undriven = [name for i, name in enumerate(plant.input_labels) if i not in driven]
+    given = {f"{rate}moved by {name}" for name in undriven for rate in ("", "d ")}
+    keep = np.flatnonzero([label not in given for label in plant.state_labels])
+    if len(keep) == plant.nstates:
+        return plant
+    return control.StateSpace(plant.A[keep][:, keep], plant.B[keep], plant.C[:, keep], plant.D)
 
 
 def _poles(loop: Any, period: float | None) -> tuple[np.ndarray, np.ndarray]:

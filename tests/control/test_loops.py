@@ -74,7 +74,7 @@ def test_pid_puts_its_poles_where_they_are_wanted_and_knows_the_names():
     [
         ({}, fm.ModelError, "several outputs. Name one as `output`, of rate, place"),
         ({"output": "speed"}, fm.ModelError, "`output` names 'speed'"),
-        ({"output": "rate"}, fm.ModelError, "Output 'rate' is a velocity"),
+        ({"output": "rate"}, fm.ModelError, "Output 'rate' measures a quantity 'velocity'"),
         ({"output": "place", "bandwidth": 0.01, "damping": 0.1, "fast": 0.1}, ValueError, r"more damping \(1.25 1/s\)"),
         ({"output": "place", "slow": -1.0}, ValueError, "`slow`"),
     ],
@@ -116,6 +116,64 @@ def test_pid_beside_a_floor_that_moves():
     filtered = m / (a3 * m - DAMPING)
     derivative = m * filtered * a2 - DAMPING - STIFFNESS * filtered
     np.testing.assert_allclose(same.D[0, 0], derivative / filtered, rtol=1e-2)
+
+
+def on_a_floor(quantity: Any, sensor: Any = None) -> fm.Model:
+    b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
+    b.input("mass", "x", name="force")
+    b.input("foot", "x", quantity, name="floor.x")
+    b.output("mass", "x", name="place")
+    b.sensor("slide", sensor or {"mass.x": 1.0, "foot.x": -1.0})
+    return b.build()
+
+
+def test_pid_of_a_sensor_of_positions():
+    """The stretch of the spring is the place, for the force; a sensor with a rate is no position."""
+    found = fm.control.pid(on_a_floor("acceleration"), 5.0, input="force", output="slide")
+    same = pid()
+    for part in "ABCD":
+        np.testing.assert_allclose(getattr(found, part), getattr(same, part), rtol=1e-9)
+    assert found.input_labels == ["slide"]
+    mixed = on_a_floor("acceleration", {"mass.x": 1.0, "velocity mass.x": 0.1})
+    with pytest.raises(fm.ModelError, match=r"'slide' measures a quantity 'velocity'\. .*only positions and deform"):
+        fm.control.pid(mixed, 5.0, input="force", output="slide")
+
+
+@pytest.mark.parametrize(("quantity", "count"), [("acceleration", 2), ("velocity", 1), ("displacement", 0)])
+@pytest.mark.parametrize("period", [None, 1e-3])
+def test_a_loop_on_a_floor_leaves_out_the_given_motion_of_the_floor(quantity, count, period):
+    """python-control has the same poles, and one at rest for each integral of the floor's motion."""
+    controller = fm.control.pid(MODEL, 5.0, output="place")
+    controller = control.ss(controller, inputs=["slide"], outputs=["force"])
+    controller = control.ss(control.sample_system(controller, period, "tustin")) if period else controller
+    controller = control.ss(controller, inputs=["slide"], outputs=["force"])
+    found = fm.control.closed_loop(on_a_floor(quantity), controller)
+    assert found.stable
+    assert "stable," in repr(found)
+    assert "neither" not in repr(found)
+    assert found.growth < -10.0
+    assert [margins.input for margins in found.margins] == ["force"]
+    poles = np.asarray(found.system.poles(), complex)
+    poles = np.log(poles[poles != 0]) / period if period else poles
+    # Two coinciding poles are off by the root of round-off.
+    assert np.sum(np.abs(poles) < 1e-4) == count
+    np.testing.assert_allclose(np.sort(poles[np.abs(poles) > 1e-4]), np.sort(found.poles), rtol=1e-6)
+    # Without a floor.
+    own = control.ss(controller, inputs=["place"], outputs=["force"])
+    np.testing.assert_allclose(np.sort(fm.control.closed_loop(MODEL, own).poles), np.sort(found.poles), rtol=1e-6)
+
+
+def test_a_floor_that_the_controller_drives_is_part_of_the_loop():
+    """An acceleration of the floor that follows nothing leaves the floor where it drifts."""
+    found = fm.control.closed_loop(on_a_floor("acceleration"), control.ss([], [], [], np.zeros((2, 2))))
+    assert np.sum(np.abs(found.poles) < 1e-4) == 2
+    assert not found.stable
+
+
+def test_a_controller_without_names_learns_how_to_name_them():
+    such_as = r"control\.ss\(controller, inputs=\['place'\], outputs=\['force'\]\)"
+    with pytest.raises(fm.ModelError, match=such_as):
+        fm.control.closed_loop(on_a_floor("acceleration"), control.tf([1.0], [1.0, 3.0]))
 
 
 def test_notch():
