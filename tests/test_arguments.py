@@ -93,7 +93,10 @@ def test_results_are_not_taken_for_models():
     path = fm.path(cart(increment=True).build(), step=1.0)
     with pytest.raises(TypeError, match=r"not a Path.*at=path, step=-1"):
         fm.frequencies(path)
-    with pytest.raises(TypeError, match=r"fm\.linearize takes a Model.*not a Linearization"):
+    with pytest.raises(
+        TypeError,
+        match=r"fm\.linearize takes a Model.*not a Linearization: give its \.model.*fm\.sections\.damping_from_ratio",
+    ):
         fm.linearize(path.linearization())
     motion = fm.simulate(MODEL, [0, 0.1, 0.2])
     with pytest.raises(TypeError, match=r"not a Motion.*at=motion, step=-1"):

@@ -441,11 +441,10 @@ def _warn_unresolved(
 def _warn_infinite(noise: NoiseBudget) -> None:
     infinite = np.argwhere(~np.isfinite(np.asarray(noise.variances)))
     if len(infinite):
-        i, j = infinite[0]
+        pairs = ", of ".join(f"'{noise.outputs[i]}' by '{noise.sources[j]}'" for i, j in infinite)
         warn(
-            f"The root mean square of '{noise.outputs[i]}' by '{noise.sources[j]}' is infinite: white noise reaches it"
-            " directly or makes it drift, or a resonance is undamped. Give a `band` to integrate over, or damp the"
-            " resonance."
+            f"The root mean square of {pairs} is infinite: white noise reaches the output directly or makes it drift,"
+            " or a resonance is undamped. Give a `band` to integrate over, or damp the resonance."
         )
 
 

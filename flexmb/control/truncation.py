@@ -214,7 +214,8 @@ def error_of(
             solved_both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
             yield forces, rows, through, *np.split(solved_both, [forces.shape[1]], 1)
 
-    return _warned_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}")
+    removed = np.delete(hertz, list(kept))
+    return _warned_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}", removed)
 
 
 def error_of_large(
@@ -236,7 +237,9 @@ def error_of_large(
             forces, rows, through = (np.tensordot(powers, m, 1) for m in (b[:, free], c[:, :, free], d))
             yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
 
-    return _warned_error(lin, grid, full(), small, end, str(len(found.kept)))
+    hertz = np.asarray(found.hertz)
+    removed = np.delete(hertz, [i for i in found.kept if i < len(hertz)])
+    return _warned_error(lin, grid, full(), small, end, str(len(found.kept)), removed)
 
 
 def _band(
@@ -259,12 +262,19 @@ def _band(
 
 
 def _warned_error(
-    lin: Linearization, grid: np.ndarray, full: Iterable[tuple[Any, ...]], small: Any, end: float, some: str
+    lin: Linearization,
+    grid: np.ndarray,
+    full: Iterable[tuple[Any, ...]],
+    small: Any,
+    end: float,
+    some: str,
+    removed: np.ndarray,
 ) -> Float[np.ndarray, "n_y n_u"]:
     """Largest error of responses, with a warning if it is large.
 
     ``full`` yields, for each frequency, effects of inputs, outputs, the part that passes at once, and the motions by
-    inputs and by outputs as forces. ``some`` names the number of kept modes.
+    inputs and by outputs as forces. ``some`` names the number of kept modes; ``removed`` has known frequencies of
+    the others [Hz].
     """
     a, b, c, d = map(np.asarray, small)
     right, truncated_responses, least = [], [], np.zeros(d.shape)
@@ -283,9 +293,11 @@ def _warned_error(
         # The first of several values that are equal but for round-off, such as of velocity and acceleration.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name
+        nearest = removed[np.argsort(np.abs(removed - grid[at]))[:1]]
+        beside = "".join(f" The nearest mode that is left out is at {hertz:.5g} Hz." for hertz in nearest)
         warn(
             f"The state space of {some} modes is off by {100 * error[y, u]:.2g} % for '{output}' of"
-            f" '{source}' at {grid[at]:.4g} Hz, in its band up to {end:.4g} Hz. Keep more modes, by `modes` or a"
-            " larger `bandwidth`."
+            f" '{source}' at {grid[at]:.4g} Hz, in its band up to {end:.4g} Hz.{beside} Keep more modes, by `modes` or"
+            " a larger `bandwidth`."
         )
     return error

@@ -19,6 +19,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from ..arguments import Flag, Positive, checked
+from ..display import kind_of
 from ..errors import warn
 from ..files import check_writable, write_whole
 from ..linear.linearize import Linearization
@@ -271,8 +272,14 @@ def save_fmu(
     if path.suffix != ".fmu" or not path.stem:
         raise ValueError(f"A functional mock-up unit is a file whose name ends in .fmu, not '{path}'.")
     if nonlinear:
-        if not isinstance(system, Model) or modes is not None or bandwidth is not None or substep is not None:
-            raise ValueError("`nonlinear` is for a Model as it is, without `modes`, `bandwidth` or `substep`.")
+        if not isinstance(system, Model):
+            raise ValueError(
+                f"`nonlinear` is for a Model, not {kind_of(system)}. The damping of fm.damped belongs to linear"
+                " equations: damp the elements of the model instead, by fm.sections.damping_from_ratio."
+            )
+        given = {"modes": modes, "bandwidth": bandwidth, "substep": substep}
+        if extra := [f"`{name}`" for name, value in given.items() if value is not None]:
+            raise ValueError(f"`nonlinear` is for a Model as it is. Leave out {' and '.join(extra)}.")
         if start is None and system.parameters.start is None:
             warn_of_stressed_start(
                 system, "Give values of states by `start`, or give start values in the builder, not both."

@@ -368,7 +368,10 @@ _INSTEAD = {
     "SpacarModel": "call .builder.build() first",
     "LightResults": "give its .model",
     "Lean": "give its .model",
-    "Linearization": "give its .model",
+    "Linearization": (
+        "give its .model. Damping of fm.damped belongs to the linearisation alone; to damp the model, damp its elements"
+        " by fm.sections.damping_from_ratio"
+    ),
     "Equilibrium": "give the model, or fm.linearize(model, ..) about the same loads if a linearisation is accepted",
     "Path": "give its .model, and at=path, step=-1 for its last state",
     "Motion": "give its .model, and at=motion, step=-1 for its last state",

@@ -45,7 +45,7 @@ def shaken(stiffness=K, damping=D):
 def test_white_noise_on_one_mass():
     """Of a force of two-sided density S the position has S/(2 d k), the velocity S/(2 d m); a floor acts by m a."""
     model, s = shaken(), FORCE / 2
-    with pytest.warns(fm.FlexmbWarning, match="'tip' by 'floor' is infinite.*makes it drift"):
+    with pytest.warns(fm.FlexmbWarning, match="'tip' by 'floor', of 'speed' by 'floor' is infinite.*makes it drift"):
         found = fm.control.noise_budget(model, sources={"floor": FLOOR, "push": FORCE})
     assert found.rms("tip", "push") ** 2 == approx(s / (2 * D * K), rel=1e-12)
     assert found.rms("speed", "push") ** 2 == approx(s / (2 * D * M), rel=1e-12)

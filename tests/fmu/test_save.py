@@ -488,8 +488,10 @@ def test_a_nonlinear_mechanism_moves_as_newton_says(tmp_path):
     found = simulated(path, "cs", 0.5, 0.1, inputs, relative_tolerance=1e-8)
     # A hundred times the tolerance, of a swing of 0.1 m.
     np.testing.assert_allclose(found["position mass.y"], expected[1], atol=1e-7)
-    with pytest.raises(ValueError, match="without `modes`"):
+    with pytest.raises(ValueError, match=r"a Model as it is\. Leave out `modes`\.$"):
         fm.save_fmu(b.build(), path, nonlinear=True, modes=1)
+    with pytest.raises(ValueError, match=r"for a Model, not a Linearization\..* damp the elements"):
+        fm.save_fmu(fm.damped(b.build(), ratio=0.01), path, nonlinear=True)
     with pytest.raises(ValueError, match="give nonlinear=True"):
         fm.save_fmu(b.build(), path, loads={"mass.x": np.sin})
 
