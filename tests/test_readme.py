@@ -14,8 +14,10 @@ import shlex
 from pathlib import Path
 from typing import NamedTuple
 
+import control
 import matplotlib as mpl
 import matplotlib.pyplot as plt
+import numpy as np
 import pytest
 from cases.commands import command
 from cases.tolerances import approx
@@ -99,6 +101,13 @@ def check_python(scope):
     assert 0.559 < tip[1] / 0.1 < 0.741
     assert Path("modes.png").stat().st_size > 1000
     assert Path("modes.html").stat().st_size > 500_000
+    # A mass of 2 kg on a spring of 5000 N/m and a damper of 2 Ns/m under a controller, on a floor that follows sin^3.
+    late, w, t = scope["late"], 10 * np.pi, np.linspace(0, 0.4, 4001)
+    floor = 1e-4 * w**2 * (6 * np.sin(w * t) * np.cos(w * t) ** 2 - 3 * np.sin(w * t) ** 3)
+    loop = control.feedback(control.ss(control.tf([1], [2, 2, 5000])), control.ss(late.A, late.B, late.C, late.D))
+    gap = control.forced_response(loop, t, -2 * floor).outputs[::50]
+    # Some ten times the tolerance of a step, 1e-6 of the motion of the floor.
+    np.testing.assert_allclose(scope["gap"], gap, rtol=0, atol=1e-9)
 
 
 def check_light(scope):
