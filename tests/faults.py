@@ -4275,6 +4275,12 @@ FAULTS = [
     ),
     Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
     Fault(
+        "identification/problem.py",
+        "known = self.items[0].scatter is not None",
+        "known = True",
+        "identification/test_fit.py -k unit_of_values",
+    ),
+    Fault(
         "identification/measurement.py",
         "(item.scatter, differences, lower=True)",
         "(item.scatter, differences)",

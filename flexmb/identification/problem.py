@@ -204,19 +204,22 @@ class FitProblem:
         inside = np.clip(np.asarray(start, float)[free], 1e-6, 1 - 1e-6)
         if not np.all(np.isfinite(at(inside)[0])):
             return Solution(whole(inside), np.inf, 1, False)
+        # Without deviations, rows are in SI units, and SciPy compares gradients with absolute numbers.
+        known = self.items[0].scatter is not None
+        size = 1.0 if known else float(np.sqrt(np.mean(at(inside)[0] ** 2))) or 1.0
         solution = scipy.optimize.least_squares(
-            lambda part: at(part)[0],
+            lambda part: at(part)[0] / size,
             inside,
-            jac=lambda part: at(part)[1],  # pyright: ignore[reportArgumentType]
+            jac=lambda part: at(part)[1] / size,  # pyright: ignore[reportArgumentType]
             bounds=(0.0, 1.0),
             loss=self.loss,
             x_scale="jac",
             ftol=SETTLED_COST,
             xtol=SETTLED_PARAMETERS,
-            gtol=SETTLED_PARAMETERS,
+            gtol=SETTLED_PARAMETERS if known else None,  # pyright: ignore[reportArgumentType]
             max_nfev=self.max_evaluations,
         )
-        return Solution(whole(solution.x), 2 * float(solution.cost), count, solution.status > 0)
+        return Solution(whole(solution.x), 2 * float(solution.cost) * size**2, count, solution.status > 0)
 
 
 def prediction_of(item: Measured) -> Callable[[Any], Any]:

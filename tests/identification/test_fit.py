@@ -74,6 +74,17 @@ def test_a_straight_line_as_its_textbook_formulas_say():
     assert np.isnan(found.chi_squared)
 
 
+@pytest.mark.parametrize("stiffness", [1e2, 1e5, 1e8])
+def test_the_unit_of_values_without_deviation_does_not_end_the_search(stiffness):
+    values = LOADS / stiffness * (1 + 1e-3 * np.array([1.0, -1.0, 2.0, 0.0, -1.0]))
+    data = fm.measured(lambda model: moved(model) * LOADS, values, name="line")
+    bounds = {"stiffness": (stiffness / 10, 10 * stiffness)}
+    found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 0.7 * stiffness}, bounds)
+    # Least squares of a line through zero. A search ends 1e-8 of the bounds from the minimum.
+    assert found.parameters["stiffness"] == pytest.approx(np.sum(LOADS**2) / (values @ LOADS), rel=1e-6)
+    assert found.minima[0][1] == pytest.approx(found.freedom * found.noise**2, rel=1e-9)
+
+
 def test_a_combination_that_is_not_determined_is_named():
     frequency = np.sqrt(STIFFNESS / MASS) / (2 * np.pi)
     data = {"frequency 1": (frequency, 1e-3 * frequency), "again": fm.measured("frequency 1", frequency, 1e-3)}
