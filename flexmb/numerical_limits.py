@@ -1033,6 +1033,19 @@ OUTLIER = 3.0
 IMPLAUSIBLE = 1e-3
 """A chi-squared that scatter alone exceeds with a smaller probability is no scatter."""
 
+UNEVEN_SCATTER = 2.0
+"""Scatter of differences at large answers over the scatter at small ones. Up to this, a common deviation is wrong by a
+factor of two at most."""
+
+FEWEST_OF_SCATTER = 8
+"""Fewest values whose scatter is compared with their size: with five, equal scatter is called uneven in 3 % of fits."""
+
+UNTESTED = 1e-3
+"""A value with a smaller share of its variance in its difference from the model is met by the fit, whatever it is."""
+
+EXACT_FIT = 1e-7
+"""Differences below this share of the values are round-off of data that a model computed: no instrument measures so."""
+
 SAME_MINIMUM = 1e-3
 """Two minima are one if no scaled parameter differs by more than this."""
 

@@ -4275,6 +4275,24 @@ FAULTS = [
     ),
     Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
     Fault(
+        "identification/uneven.py",
+        "np.abs(differences) / np.sqrt(remaining), sizes",
+        "differences / np.sqrt(remaining), sizes",
+        "identification/test_uneven.py -k proportion",
+    ),
+    Fault(
+        "identification/response_data.py",
+        "np.hypot(real, imaginary), 2)",
+        "np.abs(np.log(np.hypot(real, imaginary))), 2)",
+        "identification/test_uneven.py -k proportion",
+    ),
+    Fault(
+        "identification/fit.py",
+        "chi2.cdf(square, freedom)",
+        "chi2.sf(square, freedom)",
+        "identification/test_fit.py -k far_below",
+    ),
+    Fault(
         "identification/problem.py",
         "known = self.items[0].scatter is not None",
         "known = True",

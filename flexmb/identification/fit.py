@@ -18,6 +18,7 @@ from .fitted import Fit, scaled_covariance, scaled_deviations
 from .measurement import Measured, check_unit, measurements
 from .problem import GOOD, FitProblem, Prior, Solution, weighted_slopes
 from .undetermined import combinations_of
+from .uneven import warn_of_uneven_scatter
 
 LOSSES = ("linear", "huber", "soft_l1", "cauchy")
 
@@ -66,7 +67,8 @@ def fit(
             parameters (impossible_design).
 
     Warns:
-        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit). Other parameters fit equally well. A
+        FlexmbWarning: Chi-squared is too large for the given scatter (poor_fit). Differences scatter more where the
+            answer is large (uneven scatter), so that intervals are too narrow. Other parameters fit equally well. A
             parameter is at a bound. The data do not determine a combination of parameters. No mode of the fitted model
             matches a measured mode. The fitted equilibrium is not stable.
 
@@ -201,7 +203,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
         if min(u, 1 - u) < AT_BOUND
     )
     minima = _minima(problem, solutions)
-    result, reason = _outcome(best, probability, minima, len(solutions), freedom)
+    result, reason = _outcome(best, (square, freedom, probability), minima, len(solutions))
     if result in (RESULTS.poor_fit, RESULTS.not_optimal):
         reason = "; ".join([reason, *dict.fromkeys(item.advice for item in problem.items if item.advice)])
     try:
@@ -247,8 +249,9 @@ def _minima(problem: FitProblem, solutions: list[Solution]) -> tuple[tuple[dict[
 
 
 def _outcome(
-    best: Solution, probability: float, minima: Sequence[Any], starts: int, freedom: int
+    best: Solution, chi_squared: tuple[float, int, float], minima: Sequence[Any], starts: int
 ) -> tuple[RESULTS, str]:
+    square, freedom, probability = chi_squared
     if not best.converged:
         return RESULTS.not_optimal, "the search did not converge from any start"
     others = f"; {len(minima)} different minima from {starts} starts" if len(minima) > 1 else ""
@@ -258,12 +261,19 @@ def _outcome(
         return RESULTS.poor_fit, f"{chance}; {why}"
     if freedom < 1:
         return RESULTS.successful, "there are as many values as parameters, so the data do not test the model" + others
-    text = (
-        "the model agrees with the values within their scatter"
-        if np.isfinite(probability)
-        else "least squares converged"
-    )
-    return RESULTS.successful, text + others
+    if not np.isfinite(probability):
+        return RESULTS.successful, "least squares converged" + others
+    if _chance_of_less(square, freedom) < IMPLAUSIBLE:
+        text = "the values scatter less than their deviations (a model computed them, or the intervals are too wide)"
+        return RESULTS.successful, text + others
+    return RESULTS.successful, "the model agrees with the values within their scatter" + others
+
+
+def _chance_of_less(square: float, freedom: int) -> float:
+    """Return the probability that scatter alone causes a chi-squared at most as large."""
+    from scipy.stats import chi2
+
+    return float(chi2.cdf(square, freedom))
 
 
 def _warn(fitted: Fit) -> None:
@@ -285,6 +295,8 @@ def _warn(fitted: Fit) -> None:
         far = [f"{name} {number} ({size:+.1f})" for name, number, size in fitted.largest_residuals()[:4]]
         named = f" Furthest, in standard deviations: {', '.join(far)}." if far else ""
         warn(f"The model does not fit the data: {fitted.reason}.{named} The intervals hold for a model that fits.")
+    elif fitted.result is RESULTS.successful and not _chance_of_less(fitted.chi_squared, fitted.freedom) < IMPLAUSIBLE:
+        warn_of_uneven_scatter(fitted)
     if fitted.active:
         warn(f"The fit is at a bound: {', '.join(fitted.active)}. The standard deviations neglect the bound.")
     if fitted.undetermined:

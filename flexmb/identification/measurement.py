@@ -34,6 +34,8 @@ class Measured:
         relative: Whether ``answer`` returns the logarithms of the ratios of computed to measured values: first the real
             parts, then the imaginary parts.
         advice: What may help if a fit ends far from the values; empty if nothing is known.
+        sizes: ``sizes(computed)`` returns the size of the answer at each value, (m,), such as the magnitude of a
+            complex response.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Measured:
     check: Callable[[Any], None] | None = None
     relative: bool = False
     advice: str = ""
+    sizes: Callable[[np.ndarray], np.ndarray] = np.abs
 
     @property
     def deviation(self) -> np.ndarray | None:

@@ -81,6 +81,10 @@ def measured_response(
             computed = jnp.log(computed / response)
         return jnp.concatenate([computed.real, computed.imag])
 
+    def sizes(computed: np.ndarray) -> np.ndarray:
+        real, imaginary = np.split(computed, 2)
+        return np.tile(np.abs(response) * np.exp(real) if logarithmic else np.hypot(real, imaginary), 2)
+
     parts, scatter = np.concatenate([response.real, response.imag]), deviation
     if deviation is not None:
         scatter = np.broadcast_to(np.asarray(deviation, float), places.shape)
@@ -89,4 +93,5 @@ def measured_response(
         parts = np.zeros_like(parts)
     single = measured(answer, parts, scatter, name=name, over=np.tile(places, 2), label="frequency [Hz]")
     advice = "" if logarithmic else "measured_response(.., logarithmic=True) has fewer local minima"
-    return dataclasses.replace(single, parameters=tuple(dict.fromkeys(fitted)), relative=logarithmic, advice=advice)
+    parameters = tuple(dict.fromkeys(fitted))
+    return dataclasses.replace(single, parameters=parameters, relative=logarithmic, advice=advice, sizes=sizes)

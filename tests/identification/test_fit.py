@@ -180,6 +180,18 @@ def test_a_model_that_does_not_fit_says_so():
     assert found.largest_residuals()[0][0] == "line"
 
 
+def test_differences_far_below_their_deviations_are_told():
+    values = LOADS / STIFFNESS
+    for scatter, agrees in ((1e-6, True), (1e-9, False), (0.0, False)):
+        noisy = values + scatter * np.array([1.0, -1.0, 2.0, 0.0, -1.0])
+        data = fm.measured(lambda model: moved(model) * LOADS, noisy, 1e-6, name="line")
+        found = fm.fit(lambda stiffness: cart(stiffness), data, {"stiffness": 70.0}, {"stiffness": (10, 1000)})
+        assert found.result is fm.RESULTS.successful
+        assert ("agrees with the values within their scatter" in found.reason) is agrees
+        assert ("scatter less than their deviations" in str(found)) is not agrees
+        assert ("the intervals are too wide" in str(found)) is not agrees
+
+
 def test_an_outlier_weighs_less_with_a_robust_loss():
     values = LOADS / STIFFNESS
     values = values + 1e-2 * (LOADS == 5)
