@@ -4275,6 +4275,12 @@ FAULTS = [
     ),
     Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
     Fault(
+        "identification/study_data.py",
+        "for name in columns if name in header} | dict(chosen)",
+        "for name in columns if name in header and not chosen} | dict(chosen)",
+        "identification/test_fit_study.py -k override",
+    ),
+    Fault(
         "identification/uneven.py",
         "np.abs(differences) / np.sqrt(remaining), sizes",
         "differences / np.sqrt(remaining), sizes",

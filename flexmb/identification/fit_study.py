@@ -76,6 +76,10 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
         fixed = {name: entry["value"] for name, entry in parameters.items() if name not in free}
         items = measurements_of(reader.name, reader.path.parent, reader.data["data"])
         of_data = {name for item in items for name in item.parameters}
+        for item in items:
+            if unknown := [name for name in item.parameters if name not in parameters]:
+                known = ", ".join(parameters)
+                raise StudyError(f"[data] {item.name}: there is no parameter '{printable(unknown[0])}' ({known}).")
         accepted = _accepted(reader, {name: entry["value"] for name, entry in parameters.items()})
         arguments = [name for name in parameters if name not in of_data or name in accepted]
         own_fixed = tuple((name, value) for name, value in fixed.items() if name in arguments)

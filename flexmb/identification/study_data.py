@@ -78,6 +78,8 @@ def _columns(key: str, value: Any) -> dict[str, str | int]:
     }
 
 
+# Parts of a complex response: one of the pairs is given.
+PARTS = (("real", "imaginary"), ("magnitude", "phase"))
 # Kinds by key: keys of all measurements, keys of a file, and for each kind of measurement its keys and its columns.
 EVERY: dict[str, Kind] = {"deviation": as_numbers, "relative_deviation": as_positive}
 FILE: dict[str, Kind] = {"file": as_text, "columns": _columns}
@@ -146,7 +148,10 @@ def _naming_key(key: str) -> Iterator[None]:
 
 def _needed(key: str, entry: Mapping[str, Any], name: str) -> Any:
     if name not in entry:
-        raise StudyError(f"{key}: give {name}, or a file with this column.")
+        header = (
+            f" The columns of the file are: {printable(', '.join(entry['header']))}." if entry.get("header") else ""
+        )
+        raise StudyError(f"{key}: give {name}, or a file with this column.{header}")
     return np.asarray(entry[name], float)
 
 
@@ -223,7 +228,7 @@ def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...
             raise StudyError(f"{key}: a universal file has frequency responses. Give response = true.")
         by_name = _universal(key, path, entry)
     else:
-        by_name = _table(key, path, entry.get("columns", {}), columns)
+        by_name = _table(key, path, entry, columns)
     for name, values in by_name.items():
         if name in entry:
             raise StudyError(f"{key}: {name} is given, and '{printable(path.name)}' has it too. Leave one out.")
@@ -259,8 +264,9 @@ def _readable(key: str, path: Path) -> Iterator[None]:
         raise StudyError(f"{key}: {first_line(fault)}") from None
 
 
-def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Return columns of a CSV file by name or number; by default the columns with the names of the quantities."""
+def _table(key: str, path: Path, entry: dict[str, Any], columns: tuple[str, ...]) -> dict[str, Any]:
+    """Return columns of a CSV file by name or number, others by the names of the quantities; and its header."""
+    chosen: dict[str, str | int] = entry.get("columns", {})
     if strangers := [name for name in chosen if name not in columns]:
         raise StudyError(f"{key}: there is no '{printable(strangers[0])}' in columns. Known: {', '.join(columns)}.")
     with _readable(key, path):
@@ -270,7 +276,34 @@ def _table(key: str, path: Path, chosen: Mapping[str, str | int], columns: tuple
         text = content.decode()
     except ValueError:
         raise StudyError(f"{subject} is no text in UTF-8.") from None
-    return _columns_of(subject, cells_of(subject, text), chosen, columns)
+    cells = cells_of(subject, text)
+    header = cells[0][1]
+    chosen = {**_response_by_name(subject, header, entry, chosen), **chosen} if "real" in columns else chosen
+    if chosen:
+        # Numbers in the study, and the other pair of parts, leave out what the file may have beside.
+        given = {*entry, *("deviation" for name in ("relative_deviation", "covariance") if name in entry)}
+        for pair, other in (PARTS, PARTS[::-1]):
+            if any(part in chosen or part in entry for part in pair):
+                given |= {*other}
+        columns = tuple(name for name in columns if name not in given)
+    return {**_columns_of(subject, cells, chosen, columns), "header": [] if all(map(_is_number, header)) else header}
+
+
+def _response_by_name(
+    subject: str, header: list[str], entry: Mapping[str, Any], chosen: Mapping[str, Any]
+) -> dict[str, str | int]:
+    """Return the columns "real OUTPUT by INPUT" and "imaginary .." of the output and the input of a measurement."""
+    pairs = [name.removeprefix("real ") for name in header if name.startswith("real ") and " by " in name]
+    if not pairs or any(part in place for pair in PARTS for part in pair for place in (chosen, entry, header)):
+        return {}
+    output, source = entry.get("output"), entry.get("input")
+    start, end = "" if output is None else f"{output} by ", "" if source is None else f" by {source}"
+    fitting = [pair for pair in pairs if pair.startswith(start) and pair.endswith(end)]
+    if len(fitting) != 1:
+        raise StudyError(
+            f"{subject} has the responses {printable(', '.join(pairs))}. Choose one by output and input, or by columns."
+        )
+    return {"real": f"real {fitting[0]}", "imaginary": f"imaginary {fitting[0]}"}
 
 
 def cells_of(what: str, text: str) -> list[tuple[int, list[str]]]:
@@ -294,7 +327,7 @@ def _columns_of(
     header = [] if (any(are_numbers) if by_number else all(are_numbers)) else cells.pop(0)[1]
     if not cells:
         raise StudyError(f"{subject} has no line of numbers.")
-    selected = chosen or {name: name for name in columns if name in header}
+    selected = {name: name for name in columns if name in header} | dict(chosen)
     if not selected:
         named = f" Its columns are: {printable(', '.join(header))}." if header else ""
         name = f"Name columns, such as {{ {columns[0]} = 2 }}."

@@ -163,6 +163,37 @@ def test_columns_by_number_of_a_table_with_words(study, tmp_path):
     np.testing.assert_array_equal(curve.values, [1.0, 2.0, 3.0])
 
 
+TWO = "hertz,real a by f,imaginary a by f,real b by f,imaginary b by f\n5.0,1,2,3,4\n6.0,5,6,7,8\n"
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [
+        "output = 'b'\ninput = 'f'",
+        "output = 'b'",
+        "columns = { real = 'real b by f', imaginary = 'imaginary b by f' }",
+        "columns = { hertz = 1, real = 4, imaginary = 5 }",
+    ],
+)
+def test_one_response_of_a_table_with_several(study, tmp_path, choice):
+    (tmp_path / "two.csv").write_text(TWO)
+    study.write_text(of_data(f"[data.r]\nresponse = true\nfile = 'two.csv'\nrelative_deviation = 0.1\n{choice}\n"))
+    (response,) = read_fit_study(study).data
+    np.testing.assert_array_equal(response.values, [3, 7, 4, 8])
+
+
+def test_columns_override_only_what_they_name(study, tmp_path):
+    (tmp_path / "both.csv").write_text("hertz,real,imaginary,m,p,deviation\n5.0,1,0,2,0,0.5\n6.0,1,0,3,0,0.5\n")
+    text = "[data.r]\nresponse = true\nfile = 'both.csv'\ncolumns = { magnitude = 'm', phase = 'p' }\n"
+    study.write_text(of_data(text))
+    (response,) = read_fit_study(study).data
+    np.testing.assert_array_equal(response.values, [2, 3, 0, 0])
+    np.testing.assert_array_equal(response.deviation, 0.5)
+    # A number in the study replaces a column.
+    study.write_text(of_data(text + "relative_deviation = 0.1\n"))
+    np.testing.assert_allclose(read_fit_study(study).data[0].deviation, [0.2, 0.3] * 2)
+
+
 def test_the_quantity_of_a_universal_file_is_that_of_the_model(study, tmp_path):
     pyuff = pytest.importorskip("pyuff")
     hertz = np.linspace(5.0, 15.0, 11)
@@ -257,6 +288,16 @@ FAULTS = [
         "'degrees.csv': column 'p [deg]' has another unit. Convert phase to rad",
     ),
     (CURVE + "file = 'degrees.csv'", "has no column values or deviation or over. Its columns are: f, m, p [deg]."),
+    ("[data.r]\nresponse = true\nfile = 'two.csv'", "'two.csv' has the responses a by f, b by f. Choose one by output"),
+    ("[data.r]\nresponse = true\nfile = 'two.csv'\noutput = 'c'", "has the responses a by f, b by f. Choose one"),
+    (
+        "[data.r]\nresponse = true\nfile = 'degrees.csv'\ncolumns = { magnitude = 'm' }",
+        "give hertz, or a file with this column. The columns of the file are: f, m, p [deg].",
+    ),
+    (
+        "[data.r]\nresponse = true\nfile = 'two.csv'\noutput = 'b'\nrelative_deviation = 0.1\nloss_factor = 'lossy'",
+        "[data] r: there is no parameter 'lossy' (t, m, w).",
+    ),
     (CURVE + "values = 940.0\n[fit]\nlevel = 95.0", "[fit] level must be below 1"),
     (CURVE + "values = 940.0\n[fit]\nloss = 'l1'", "[fit] loss must be"),
 ]
@@ -271,6 +312,7 @@ def test_each_fault_is_one_line(study, tmp_path, text, words):
     (tmp_path / "head.csv").write_text("over,values\n")
     (tmp_path / "commas.csv").write_text("values,deviation\n940,0,9,4\n")
     (tmp_path / "german.csv").write_text("values;deviation\n940,0;9,4\n")
+    (tmp_path / "two.csv").write_text(TWO)
     (tmp_path / "degrees.csv").write_text("f,m,p [deg]\n5.0,1.0,-2.5\n")
     given = of_data(text)
     if "curve" in text:
