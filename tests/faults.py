@@ -4273,6 +4273,12 @@ FAULTS = [
         "change[i]",
         "identification/test_fit.py -k combination",
     ),
+    Fault(
+        "design/tolerance.py",
+        "added = np.maximum(added, np.maximum(",
+        "added = np.minimum(added, np.maximum(",
+        "design/test_sensitivities.py -k many_dimensions",
+    ),
     Fault("identification/fitted.py", "(1 + level) / 2", "level", "identification/test_fit.py -k straight"),
     Fault(
         "identification/study_data.py",

@@ -23,6 +23,8 @@ from .swept import Sweep
 CHECKED = 20
 # Number of designs for the second-order answers, and for exact answers that give their error.
 OF_SECOND_ORDER, CHECKED_DESIGNS = 100_000, 64
+# Number of random designs that check the first order: two frequencies may cross by many dimensions together.
+TOGETHER = 16
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -129,8 +131,8 @@ def tolerances(
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
             example near two coinciding frequencies. This check changes one dimension at a time by plus and minus one
             standard deviation, and computes the derivatives there; it covers the twenty dimensions with the largest
-            shares. flexmb also warns if random designs have no answer: samples, or the designs from which the error
-            of the second order is computed.
+            shares. Sixteen random designs check all dimensions together. flexmb also warns if random designs have no
+            answer: samples, or the designs from which the error of the second order is computed.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
@@ -159,7 +161,6 @@ def tolerances(
     parts = sensitivities.slopes * (sensitivities.slopes @ covariance)
     total = parts.sum(axis=1)
     shares = parts / np.where(total > 0, total, 1.0)[:, None]
-    _warn_of_curvature(sensitivities, derivatives, spread)
     scatter_of = Tolerances(
         sensitivities.answers, sensitivities.dimensions, sensitivities.values, np.sqrt(total), shares
     )
@@ -170,6 +171,7 @@ def tolerances(
             return spread * np.random.default_rng(seed).standard_normal((count, len(spread)))
         return _rows(joint.draw(count, dimensions, seed)) - sensitivities.point
 
+    _warn_of_curvature(sensitivities, derivatives, spread, deviated(TOGETHER, seed + 2))
     if second_order:
         exact = partial(_exact, build, answers, layout, sensitivities.point)
         scatter_of = _with_second_order(scatter_of, sensitivities, shift, covariance, deviated, exact, seed)
@@ -239,9 +241,13 @@ def _with_second_order(
 
 
 def _warn_of_curvature(
-    sensitivities: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray
+    sensitivities: Sensitivities, derivatives: Callable[[np.ndarray], Any], spread: np.ndarray, drawn: np.ndarray
 ) -> None:
-    """Warn of answers with a nonlinear scatter, from derivatives one deviation to both sides of the dimensions."""
+    """Warn of answers with a nonlinear scatter.
+
+    It computes derivatives one deviation to both sides of the dimensions, and the answers of designs with random
+    deviations ``drawn``, (designs, n).
+    """
     linear = np.abs(sensitivities.slopes * spread)
     shares = np.max(linear / np.maximum(np.max(linear, axis=1, keepdims=True), np.finfo(float).tiny), axis=0)
     checked = [i for i in np.argsort(-shares, kind="stable")[:CHECKED] if spread[i] > 0]
@@ -256,6 +262,15 @@ def _warn_of_curvature(
         row[:] = (np.asarray(up) - np.asarray(down)) * spread / 2 if known else np.nan
     mean = np.abs(sum((row[:, i] for row, i in zip(bent, checked, strict=True)), np.zeros(len(linear)))) / 2
     added = np.maximum(mean, np.sqrt(np.sum(bent**2, axis=(0, 2)) / 2))
+    if len(checked) > 1:
+        answers = [(row, derivatives(sensitivities.point + row)) for row in drawn]
+        errors = [
+            np.asarray(values) - sensitivities.values - sensitivities.slopes @ row
+            for row, (values, _, _, code) in answers
+            if code in ANSWERED
+        ]
+        if errors:
+            added = np.maximum(added, np.maximum(np.abs(np.mean(errors, axis=0)), np.std(errors, axis=0)))
     deviations = np.sqrt(np.sum(linear**2, axis=1))
     limit = np.maximum(NOT_LINEAR * deviations, ZERO_SECOND_ORDER * np.abs(sensitivities.values))
     wrong = np.flatnonzero(~(added <= limit))

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from cases import design_cases, mechanisms
 from cases.tolerances import approx
+from scipy.stats import norm
 
 import flexmb as fm
 from flexmb import planar
@@ -186,6 +187,24 @@ def test_tolerances_by_the_law_of_propagation_and_by_samples():
     assert np.all(found.values < found.sampled_interval[:, 1])
     with pytest.raises(ValueError, match="Deviation of 'length'"):
         fm.design.tolerances(design_cases.unloaded_guide, answers, point, {"length": 1e-3})
+
+
+def test_frequencies_that_cross_by_many_dimensions_together_are_warned_of():
+    """Five springs in parallel carry each of two carts. No single spring crosses the frequencies; all together do."""
+    distance, sigma = 6.0, 10.0
+    near = {"first": np.full(5, 200.0), "second": np.full(5, 200.0 + distance / 5)}
+    spread = dict.fromkeys(near, sigma / np.sqrt(5))
+
+    def build(first, second):
+        return design_cases.two_carts(jnp.sum(first), jnp.sum(second))
+
+    with pytest.warns(fm.FlexmbWarning, match="two frequencies nearly coincide"):
+        found = fm.design.tolerances(build, "frequency 1", near, spread, samples=1000)
+    # The mean of the smaller of two normal numbers with different means: Clark 1961.
+    apart = distance / sigma / np.sqrt(2)
+    shift = -np.sqrt(2) * (norm.pdf(apart) - apart * norm.sf(apart))
+    # Of the mean of 1000 samples, three deviations: 3/sqrt(1000) = 0.1.
+    assert (found.sampled_mean[0] - found.values[0]) / found.deviations[0] == approx(shift, abs=0.1)
 
 
 @pytest.mark.slow
