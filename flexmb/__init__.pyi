@@ -41,7 +41,6 @@ from .elements.sections import Rigidity as Rigidity
 from .elements.sections import Tube as Tube
 from .errors import AnalysisError as AnalysisError
 from .errors import BeamTheoryWarning as BeamTheoryWarning
-from .errors import CoarseWarning as CoarseWarning
 from .errors import FlexmbWarning as FlexmbWarning
 from .errors import MechanismError as MechanismError
 from .errors import ModelError as ModelError

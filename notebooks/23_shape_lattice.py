@@ -27,7 +27,7 @@ from flexmb import planar
 fm.enable_x64()
 cache = fm.enable_cache(thorough=False)
 # Some beams stretch by 1.4 %. Cubic beams then bend 3 % too stiffly, which is accepted here.
-warnings.filterwarnings("ignore", message=".*the strain along the beam reaches", category=fm.CoarseWarning)
+warnings.filterwarnings("ignore", message=".*the strain along the beam reaches", category=fm.FlexmbWarning)
 
 # %% [markdown]
 # ## The lattice

@@ -19,6 +19,7 @@ from ..model.roles import HELD
 from ..numerical_limits import SAME_SIZE
 from .clamps import (
     FOLD,
+    REACH,
     THICK,
     End,
     ends_of_leaf,
@@ -72,9 +73,11 @@ def with_steps(described: Description, builder: Description) -> Description:
         clamped = member.properties["clamped"]
         flags = clamped if clamped.ndim == 2 else np.stack([clamped, np.zeros(2)])
         # The curvature across a thicker part is smaller by the cube of the thicknesses: the end is partly flat.
-        thinner = library.stack([library.asarray(size[1], float) for size in own]) / beside[1]
-        partly = 1 - library.minimum(thinner, 1.0) ** 3
-        flags = library.stack([library.maximum(flags[0], partly), library.asarray(flags[1], float)])
+        widths, thicknesses = (library.stack([library.asarray(size[i], float) for size in own]) for i in range(2))
+        partly = 1 - library.minimum(thicknesses / beside[1], 1.0) ** 3
+        # Unless a clamp beyond it has a larger effect.
+        prevails = partly * REACH * widths >= flags[0] * REACH * widths - flags[1]
+        flags = library.where(prevails, library.stack([partly, 0 * partly]), flags)
         properties = {**member.properties, "clamped": library.concatenate([flags, beside])}
         described.members[name] = dataclasses.replace(member, properties=properties)
     return described
