@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from ..arguments import short_repr
 from ..display import Result, Summary, short
 from ..errors import printable
 from .designs import Designs, float_array
@@ -111,11 +112,22 @@ class Scatter(Result):
 def nominal_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> dict[str, np.ndarray]:
     """Return nominal values of dimensions and of other parameters with scatter; ValueError for a missing value."""
     values = {name: float_array(f"Dimension '{name}'", value) for name, value in dimensions.items()}
+    refuse_two_values(scatter, values)
     values |= {name: value for name, value in scatter.nominal.items() if name not in values}
     for name in scatter.spreads:
         if name not in values:
             raise ValueError(f"Scatter of '{printable(name)}' has no nominal value: give it in `nominal`.")
     return values
+
+
+def refuse_two_values(scatter: Scatter, dimensions: Mapping[str, Any]) -> None:
+    """Raise ValueError for a dimension with another nominal value in the scatter."""
+    for name, value in scatter.nominal.items():
+        if name in dimensions and not np.array_equal(value, dimensions[name]):
+            raise ValueError(
+                f"'{printable(name)}' has two nominal values: {short_repr(dimensions[name])} as a dimension, and"
+                f" {short_repr(value)} in `nominal` of the scatter. Leave it out of `nominal`."
+            )
 
 
 def even_scores(count: int, layout: Layout, seed: int) -> Float[np.ndarray, "count n"]:

@@ -24,6 +24,7 @@ from .scatter import Scatter, even_scores, terms_and_factors
 YIELD = "yield"
 # Made mechanisms of each design of a search, by default.
 SAMPLES = 128
+HOW_TO_ASK = "Ask for a statistic, such as 'mean mass', 'percentile 95 mass' or 'yield'"
 WORDS = r"(mean|deviation|percentile (\d+(?:\.\d+)?)) (.+)"
 
 
@@ -129,6 +130,16 @@ class SampledDesign:
         return function, Layout(names, (*sizes, *([()] if acceptable else [])))
 
 
+def wanted_statistics(asked: Sequence[Any], answers: Mapping[str, Any]) -> tuple[dict[str, Statistic], bool]:
+    """Return the statistics among the ``asked`` names, and whether the yield is asked for."""
+    statistics = {
+        text: statistic
+        for text in asked
+        if isinstance(text, str) and text not in answers and (statistic := statistic_of(text, answers))
+    }
+    return statistics, YIELD in asked and YIELD not in answers
+
+
 def sampled_of(
     scatter: Scatter | None,
     samples: int,
@@ -139,16 +150,17 @@ def sampled_of(
     acceptable: Mapping[str, Any] | None,
 ) -> SampledDesign | None:
     """Return the scatter of a search with the statistics among the ``asked`` names; None without scatter."""
-    statistics = {
-        text: statistic for text in asked if isinstance(text, str) and (statistic := statistic_of(text, answers))
-    }
-    statistics = {text: statistic for text, statistic in statistics.items() if text not in answers}
-    wants_yield = YIELD in asked and YIELD not in answers
+    statistics, wants_yield = wanted_statistics(asked, answers)
     if scatter is None:
         if statistics or wants_yield or acceptable:
             subject = next(iter(statistics), YIELD if wants_yield else "acceptable")
             raise ValueError(
                 f"'{printable(subject)}' is a statistic of made mechanisms. Give `scatter` from fm.scatter(..)."
+            )
+        if samples != SAMPLES:
+            raise ValueError(
+                "Argument `samples` is the number of made mechanisms of each design, but nothing is asked about made"
+                f" mechanisms. {HOW_TO_ASK}, with `scatter`; or leave `samples` out."
             )
         return None
     if not isinstance(scatter, Scatter):
@@ -166,6 +178,12 @@ def sampled_of(
     for name in scatter.spreads:
         if name not in dimensions and name not in scatter.nominal:
             raise ValueError(f"Scatter of '{printable(name)}' has no nominal value: give it in `nominal`.")
+    nominal = all(isinstance(name, str) and name in answers for name in asked)
+    if nominal and not (statistics or wants_yield or acceptable):
+        raise ValueError(
+            "Argument `scatter` has no effect: the names of answers are nominal values, and nothing is asked about made"
+            f" mechanisms. {HOW_TO_ASK}, or leave `scatter` out."
+        )
     return SampledDesign(scatter, samples, seed, statistics, dict(acceptable or {}))
 
 

@@ -14,6 +14,7 @@ from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import Layout, build_once, flat_function, layout_of
 from .robust import SHOWN, Robustness, robustness
 from .scatter import Scatter
+from .statistics import wanted_statistics
 from .study_parts import UNTRACEABLE, RaisedError, naming_study
 from .sweep import sweep
 from .swept import ROWS, Sweep
@@ -65,11 +66,16 @@ class Study:
         """Run :func:`flexmb.tune`; a StudyError names the file."""
         arguments: Any = {"choices": self.choices, **self.wanted, **options}
         scales: Any = self.scales
-        if self.scatter is not None:
+        # A search for nominal values alone needs no made mechanisms.
+        build = self.build
+        asked = [arguments.get("minimize"), arguments.get("maximize")]
+        asked += [name for table in ("targets", "limits", "equal") for name in arguments.get(table) or ()]
+        if self.scatter is not None and (self.acceptable or any(wanted_statistics(asked, self.answers))):
+            build = self.build_made
             arguments = {"scatter": self.scatter, "acceptable": self.acceptable, **arguments}
         with naming_study(f"{self.name}: ", UNTRACED):
             bounds = {} if self.choices and not self.bounds else self._bounded()
-            return tune(self.build_made, self.answers, self.values, bounds, scales=scales, **arguments)
+            return tune(build, self.answers, self.values, bounds, scales=scales, **arguments)
 
     def sweep(self, **options: Any) -> Sweep:
         """Run :func:`flexmb.sweep`, compiled if JAX can trace the model and the answers."""

@@ -37,7 +37,7 @@ from .lockstep import in_lockstep
 from .possible import refusal_of_designs
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
-from .scatter import Scatter
+from .scatter import Scatter, refuse_two_values
 from .search import Attempt, Kernel, search_from
 from .sensitivities import REVERSE_COST
 from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
@@ -128,7 +128,8 @@ def tune(
         answers.
 
     Raises:
-        ValueError: A statistic needs ``scatter``, or "yield" needs ``acceptable``. There are too many combinations.
+        ValueError: A statistic needs ``scatter``, or "yield" needs ``acceptable``; or ``scatter`` or ``samples`` is
+            given without any statistic. There are too many combinations.
             Bounds are empty, or the start is outside. A name is unknown. No wanted answer depends on a dimension.
             Answers are not finite at the start.
         AnalysisError: infeasible, not_optimal, target_missed, local_minimum, or an analysis fails.
@@ -146,6 +147,8 @@ def tune(
     asked = [name for name in (minimize, maximize) if name is not None]
     asked += [name for table in (targets, limits, equal) for name in table or ()]
     sampled = sampled_of(scatter, samples, seed, asked, functions, layout.names, acceptable)
+    if sampled is not None:
+        refuse_two_values(sampled.scatter, dimensions)
     further = () if sampled is None else tuple(sampled.further(layout))
     if twice := [name for name in further if name in options]:
         raise ValueError(

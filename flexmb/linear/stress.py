@@ -495,6 +495,12 @@ def _state(
     sparse = equilibrium_options["sparse"]
     if sparse is not None and at is not None:
         raise ValueError(f"Argument `sparse` of fm.{function} contradicts at=, a known state.")
+    factor = equilibrium_options["load_factor"]
+    if at is not None and not (is_concrete(factor) and np.ndim(factor) == 0 and factor == 1):
+        raise ValueError(
+            f"Argument `load_factor` of fm.{function} contradicts at=, which has its loads. Give"
+            " at=fm.equilibrium(model, load_factor=..), or leave `at` out."
+        )
     sparse = at is None and by_sparse(model, sparse)
     if at is None and not sparse:
         as_determined(model, function)

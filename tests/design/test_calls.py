@@ -17,6 +17,7 @@ def double(made):
 
 
 ONE, START, BOUNDS = {"a": [1.0]}, {"a": 1.0}, {"a": (0.0, 2.0)}
+TWICE = fm.scatter({"a": 0.1}, nominal={"a": 1.5})
 A = np.array([[0.0, 1.0], [-1.0, -0.1]])
 
 
@@ -86,6 +87,12 @@ WRONG = [
     (lambda: tune(equal={"y": None}), "The value of 'y'"),
     (lambda: tune(limits={"y": "12"}), "Limits of 'y' must be two values"),
     (lambda: fm.tune(same, {"objective": double}, START, BOUNDS, minimize="objective"), "must have another name"),
+    (lambda: tune(samples=1000), "`samples` is the number of made mechanisms .*with `scatter`"),
+    (lambda: tune(scatter=fm.scatter({"a": 0.1})), "`scatter` has no effect.*Ask for a statistic"),
+    (lambda: tune(minimize="mean y", scatter=TWICE), "'a' has two nominal values: 1.0 as a dimension, and 1.5"),
+    (lambda: fm.design.tolerances(same, {"y": double}, START, TWICE), "'a' has two nominal values"),
+    (lambda: fm.design.robustness(same, {"y": double}, START, TWICE, samples=10), "'a' has two nominal values"),
+    (lambda: fm.design.monte_carlo(3, TWICE, a=1.0), "'a' has two nominal values"),
     (lambda: settle(samples=2.5), "`samples` must be a whole number"),
     (lambda: settle(horizon=np.inf), "`horizon` must be positive"),
     (lambda: settle(start=np.ones(3)), r"`matrix` must have shape \(3, 3\), but has shape \(2, 2\)"),

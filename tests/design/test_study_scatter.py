@@ -86,6 +86,15 @@ def test_a_percentile_of_a_study_is_tuned_to_its_closed_form(study):
 
 
 @pytest.mark.slow
+def test_a_search_for_nominal_values_of_a_study_needs_no_made_mechanisms(study):
+    text = STUDY.replace('"percentile 5 k" = 1000.0', "k = 1000.0").replace("[tune]\nsamples = 256\n", "")
+    study.write_text(text.replace("[acceptable]\nk = { lower = 900.0 }\n", ""))
+    found = read_study(study).tune()
+    assert list(found.answers) == ["k"]
+    # 2 E w t^3/l^3 by beam theory; restrained warping and shear are absent in the plane.
+    assert found.dimensions["t"] == pytest.approx((1000 * 0.1**3 / (2 * 210e9 * 0.018)) ** (1 / 3), rel=1e-4)
+
+
 def test_a_sweep_of_a_study_with_scatter_is_nominal(study):
     found = read_study(study).sweep()
     assert found.answers["k"] == pytest.approx(2 * 210e9 * 0.018 * found.designs["t"] ** 3 / 0.1**3, rel=1e-4)

@@ -165,6 +165,7 @@ def renamed():
         (lambda m, p: fm.buckling(m, at=p.linearization()), TypeError, "must be a Path"),
         (lambda m, p: fm.frequencies(m, at=p, step=9), IndexError, "2 steps"),
         (lambda m, p: fm.stress(m, step=1), ValueError, "needs at="),
+        (lambda m, p: fm.stress(m, at=p, step=0, load_factor=2.0), ValueError, "`load_factor` of fm.stress contra"),
     ],
 )
 def test_what_does_not_go_together(pressed, ask, kind, words):
