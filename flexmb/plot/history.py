@@ -55,6 +55,8 @@ def history(
         energies = [name for name in names if name in ENERGIES]
         if energies and len(energies) < len(names):
             raise ValueError("Energies and coordinates have different units: draw two pictures.")
+        if velocity and energies:
+            raise ValueError(f"Argument `velocity` is for coordinates, and '{energies[0]}' is an energy: leave it out.")
         if velocity or energies or coordinates.issuperset(names):
             _draw_over_time(ax, found, names, velocity)
         else:

@@ -42,13 +42,13 @@ def sweep(
         ax: matplotlib Axes to draw in; by default new Axes.
 
     Returns:
-        matplotlib Axes; without ``answer`` a Figure with several.
+        matplotlib Axes; without ``answer`` and ``ax`` a Figure with Axes for each answer.
 
     Raises:
         TypeError: ``found`` is no result of ``fm.sweep``.
         KeyError: An answer or dimension does not exist.
         ValueError: The answer, or each answer, has several numbers; ``over`` is not one or two dimensions; ``x`` is
-            given without ``y``.
+            given without ``y``; or ``ax`` is given for several answers.
     """
     if isinstance(found, Robustness):
         found = found.samples
@@ -69,10 +69,17 @@ def sweep(
             raise ValueError(
                 f"No answer is one number; name an entry, such as '{next(iter(sweep_result.answers), 'f')}[0]'."
             )
-        figure, axes = figure_grid(len(names), 2)
-        for name, panel in zip(names, axes, strict=False):
-            sweep(sweep_result, name, over, ax=panel)
-        return figure
+        if ax is not None and len(names) > 1:
+            raise ValueError(
+                f"Argument `ax` needs `answer`: there are {len(names)} answers of one number, each with Axes of its"
+                f" own. Choose one of {', '.join(names)}."
+            )
+        if ax is None:
+            figure, axes = figure_grid(len(names), 2)
+            for name, panel in zip(names, axes, strict=False):
+                sweep(found, name, over, ax=panel)
+            return figure
+        answer = names[0]
     if answer in sweep_result.designs:
         raise KeyError(f"'{answer}' is a dimension; there are the answers {', '.join(sweep_result.answers)}")
     z = sweep_result.column(answer)
@@ -82,7 +89,7 @@ def sweep(
     mask = np.ones(len(z), bool)
     for name, values in sweep_result.axes.items():
         if name not in dimensions:
-            middle = values[len(values) // 2]
+            middle = np.sort(values)[len(values) // 2]
             mask &= np.asarray(sweep_result.designs[name]) == middle
             titles.append(f"{name} = {middle:.4g}")
     places = [np.asarray(sweep_result.designs[name])[mask] for name in dimensions]
@@ -166,7 +173,8 @@ def _map(
     x, y = places
     failed = ~np.isfinite(z)
     if sweep_result.axes:
-        columns, rows = (np.asarray(sweep_result.axes[name]) for name in dimensions)
+        # Axes of a grid may have any order.
+        columns, rows = (np.unique(sweep_result.axes[name]) for name in dimensions)
         field = np.full((len(rows), len(columns)), np.nan)
         field[np.searchsorted(rows, y), np.searchsorted(columns, x)] = z
         drawn = ax.pcolormesh(columns, rows, field, shading="nearest", cmap="viridis")

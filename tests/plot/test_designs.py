@@ -40,6 +40,31 @@ def test_a_map_of_a_grid():
     assert ax.figure.axes[1].get_ylabel() == "f [Hz]"
 
 
+@pytest.mark.parametrize("a", [[3.0, 2.0, 1.0], [1.0, 3.0, 2.0]])
+def test_axes_of_a_grid_in_any_order_make_the_same_map(a):
+    found = swept(fm.design.grid(a=a, b=[3.0, 1.0], c=[100.0, 1.0, 10.0]))
+    ax = plot.sweep(found, "f", ["a", "b"])
+    np.testing.assert_allclose(ax.collections[0].get_array(), [[10, 20, 30], [90, 180, 270]])
+    assert ax.get_title() == "c = 10"
+
+
+def test_axes_are_used_or_refused():
+    designs = fm.design.grid(a=[3.0, 4.0, 5.0], b=[1.0, 2.0])
+    found = swept(designs)
+    _, ax = plt.subplots()
+    assert plot.sweep(found, over="a", ax=ax) is ax
+    assert ax.lines[0].get_label() == "f [Hz]"
+    two = fm.design.Sweep(designs, {"f": found["f"].ravel(), "g": found["f"].ravel()}, found.codes, {})
+    with pytest.raises(ValueError, match=r"Argument `ax` needs `answer`: there are 2 answers .*Choose one of f, g"):
+        plot.sweep(two, over="a", ax=ax)
+
+
+def test_a_front_is_marked_in_the_picture_of_each_answer():
+    found = swept(fm.design.grid(a=[3.0, 4.0, 5.0], b=[1.0, 2.0]))
+    figure = plot.sweep(found.pareto(minimize="a", maximize="f"), over="a")
+    assert "front" in [line.get_label() for line in figure.axes[0].lines]
+
+
 def test_a_curve():
     found = swept(fm.design.grid(a=[3.0, 4.0, 5.0]), fails=[1])
     ax = plot.sweep(found, "f")

@@ -651,6 +651,8 @@ def test_coordinates_and_times_that_are_not_there(snapping, swinging):
         plot.mechanism(swinging, time=2.0)
     with pytest.raises(ValueError, match="different units"):
         plot.history(swinging, ["cart.x", "energy"])
+    with pytest.raises(ValueError, match="`velocity` is for coordinates, and 'kinetic' is an energy"):
+        plot.history(swinging, "kinetic", velocity=True)
     with pytest.raises(ValueError, match="below 11"):
         plot.mechanism(swinging, step=11)
 
