@@ -182,7 +182,7 @@ def lean(
 
     Raises:
         ModelError: bandwidth or tolerance is not positive. A node does not exist. increments are not finite. finest is
-            below two. The function has no arguments. A deviation is not positive.
+            below two, or is given with a Model. The function has no arguments. A deviation is not positive.
         KeyError: There is no such question.
         AnalysisError: An equilibrium fails or is unstable, or no smaller model meets the tolerance.
 
@@ -205,6 +205,8 @@ def lean(
         finest = check_whole("finest", finest, 2)
     except (TypeError, ValueError) as fault:
         raise ModelError(f"{fault} `finest` sets the beams of the full model.") from None
+    if isinstance(model, Model) and finest != FINEST:
+        raise ModelError("Argument `finest` is for a function of the numbers of beams. A Model has its beams.")
     if not increments or not np.all(np.isfinite(increments)):
         raise ModelError(f"Argument `increments` must be finite numbers, at least one, not {increments}.")
     questions = {name: _deviation(name, size) for name, size in (deviations or {}).items()}

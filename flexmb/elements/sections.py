@@ -231,9 +231,16 @@ class Rectangle(Section):
     warping_modulus: Literal["plate", "beam"] = static(default="plate")
 
     def faults(self) -> list[str]:
-        """Return the faults of the numbers, such as more than two clamped ends."""
-        known = self.clamped_ends in (0, 1, 2)
-        return super().faults() + ([] if known else [f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2"])
+        """Return the faults of the numbers, such as more than two clamped ends, or one of no warping length."""
+        faults = super().faults()
+        if self.clamped_ends not in (0, 1, 2):
+            faults.append(f"clamped_ends = {self.clamped_ends}, but it must be 0, 1 or 2")
+        elif self.clamped_ends == 1 and self.warping_length is None:
+            faults.append(
+                "clamped_ends = 1 without warping_length, the length of the whole leaf spring, and so without effect:"
+                " give it, or use a leaf_spring, which finds its clamps"
+            )
+        return faults
 
     def rigidity(self) -> Rigidity:
         """Return the rigidities of the rectangle, with the warping constant (w t)^3/144 of a narrow strip."""

@@ -502,6 +502,8 @@ def _initial(model: Model, initial: Any):
         raise ModelError(
             "Argument `initial` is a state of another model: its nodes differ from the nodes of this model."
         )
+    of_state = getattr(initial, "model", None) or getattr(initial, "asked_of", None)
+    _check_same_undeformed(model, of_state)
     if isinstance(initial, Motion):
         if is_concrete(initial.x) and not np.all(np.isfinite(np.asarray(initial.x)[-1])):
             raise ModelError("Argument `initial` is a motion that did not reach its end. Give motion.until(count).")
@@ -511,6 +513,21 @@ def _initial(model: Model, initial: Any):
     zero_rates = as_floats(np.zeros(model.topology.n_x))
     rates = initial.xd if isinstance(initial, Configuration) else zero_rates
     return Start(initial.x, rates, _counted(model, initial, initial.e))
+
+
+def _check_same_undeformed(model: Model, of_state: Model | None) -> None:
+    """Raise ModelError for a start of a mechanism with other undeformed positions or rotations, as far as known.
+
+    Sections, loads and elements may change at a start, as when a latch opens.
+    """
+    if of_state is None:
+        return
+    ours, theirs = model.parameters.reference, of_state.parameters.reference
+    if is_concrete((ours, theirs)) and np.any(differs := np.asarray(ours) != np.asarray(theirs)):
+        raise ModelError(
+            "Argument `initial` is a state of a mechanism with other undeformed positions: it differs in"
+            f" {model.labels.x[int(np.argmax(differs))]}. Give a state of this model."
+        )
 
 
 def _is_zero(value: Any) -> bool:

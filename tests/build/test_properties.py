@@ -106,6 +106,10 @@ WRONG = {
         {"section": fm.Rectangle(0.018, 5e-4, STEEL, warping_length=0.1, clamped_ends=3)},
         r"section of element 'leaf' has clamped_ends = 3",
     ),
+    "a clamped end without a length of warping": (
+        {"section": fm.Rectangle(0.018, 5e-4, STEEL, clamped_ends=1)},
+        r"section of element 'leaf' has clamped_ends = 1 without warping_length.*without effect: give it",
+    ),
     "shear a word": (
         {"section": fm.Rectangle(0.018, 5e-4, STEEL, shear="no")},
         r"section of element 'leaf' has shear = 'no', but it must be True or False",

@@ -127,6 +127,7 @@ WRONG_QUESTIONS = [
     ({"increments": [np.nan]}, "`increments` must be finite numbers"),
     ({"increments": ["0"]}, "`increments` must be numbers"),
     ({"finest": 2.5}, "`finest` must be a whole number"),
+    ({"finest": 8}, "`finest` is for a function of the numbers of beams"),
 ]
 
 

@@ -387,6 +387,22 @@ def test_a_motion_begins_with_the_turns_of_an_equilibrium():
 # -- what is refused ----------------------------------------------------------------------------------------------
 
 
+def test_a_start_of_a_mechanism_of_another_length_is_refused():
+    def hanging(length):
+        b = fm.Builder()
+        b.node("hook", (0.0, 0.0))
+        b.node("load", (0.0, -length))
+        b.add(planar.truss, "hook", "load", name="spring", section=fm.Rigidity(EA=1e3))
+        b.fix("hook")
+        b.fix("load", "x")
+        b.mass("load", 1.0)
+        return b.build()
+
+    start = fm.equilibrium(hanging(0.1))
+    with pytest.raises(fm.ModelError, match=r"`initial` is a state of .*other undeformed positions: .*load\.y"):
+        fm.simulate(hanging(0.11), [0.0, 0.1], initial=start)
+
+
 def test_names_and_times_are_checked(pendulum):
     with pytest.raises(fm.ModelError, match="'mess' names no coordinate, deformation or node"):
         fm.simulate(pendulum, [0, 1.0], loads={"mess": abs})
