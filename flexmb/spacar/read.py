@@ -114,6 +114,10 @@ def read_spacar(
     warnings += [
         f"{name}: parameter '{printable(n)}' does not occur in the file" for n in numbers or {} if n not in parameters
     ]
+    routines = {r.settings[keyword][0] for keyword in ("USERSIG", "USERINP") if keyword in r.settings}
+    warnings += [
+        f"{name}: user routine '{printable(n)}' does not occur in the file" for n in callables or {} if n not in routines
+    ]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 
 

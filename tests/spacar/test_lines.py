@@ -314,6 +314,9 @@ def test_parameters_of_a_file():
     read = fm.read_spacar(PARAMETERS, numbers={"k_1": 5, "e1": 2.0})
     assert read.parameters == ("k_1",)
     assert read.warnings == ["text: parameter 'e1' does not occur in the file"]
+    assert fm.read_spacar(TRUSS, callables={"wall": max}).warnings == [
+        "text: user routine 'wall' does not occur in the file"
+    ]
 
 
 @pytest.mark.parametrize(
