@@ -138,7 +138,7 @@ def simulate(
         FlexmbWarning: A linear system as controller has neither ``reference`` nor ``sign``.
         FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
             flexmb chose; a strain or an imperfection causes stress at the start; a controller acts on a mechanism of 60
-            coordinates or more.
+            coordinates or more, or goes on from a controlled motion with its states at zero.
         FlexmbWarning: The energy changes without work by loads, dampers, controllers or prescribed motions. The change
             divided by the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
         CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
@@ -167,6 +167,7 @@ def simulate(
     if progress and not is_concrete((model, times, start, drives.loads)):
         raise ValueError("Argument `progress` needs concrete numbers. Leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
+    _warn_of_fresh_controller(initial, feedback)
     problem, integrator = _problem(model, driven, feedback, jumps, integrator, times, start)
     if initial is None and is_concrete(times):
         still = start.x is model.parameters.reference and begins_still(model.parameters, driven, np.asarray(times)[0])
@@ -513,6 +514,19 @@ def _initial(model: Model, initial: Any):
     zero_rates = as_floats(np.zeros(model.topology.n_x))
     rates = initial.xd if isinstance(initial, Configuration) else zero_rates
     return Start(initial.x, rates, _counted(model, initial, initial.e))
+
+
+def _warn_of_fresh_controller(initial: Any, feedback: Feedback | Sampled | None) -> None:
+    """Warn of a controlled motion that goes on with the states of its controller at zero."""
+    if feedback is None or not isinstance(initial, Motion) or not initial.u.shape[1]:
+        return
+    states = jax.tree.leaves(feedback.start)
+    if sum(np.size(state) for state in states) and is_concrete(states) and not any(map(np.any, states)):
+        warn(
+            "The motion goes on from a controlled motion, but the states of the controller, such as its integrals,"
+            " begin at zero: a Motion does not store them. Simulate the whole time in one call, or give the controller"
+            " its states as `start`."
+        )
 
 
 def _check_same_undeformed(model: Model, of_state: Model | None) -> None:

@@ -116,7 +116,9 @@ def read_spacar(
     ]
     routines = {r.settings[keyword][0] for keyword in ("USERSIG", "USERINP") if keyword in r.settings}
     warnings += [
-        f"{name}: user routine '{printable(n)}' does not occur in the file" for n in callables or {} if n not in routines
+        f"{name}: user routine '{printable(n)}' does not occur in the file"
+        for n in callables or {}
+        if n not in routines
     ]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 

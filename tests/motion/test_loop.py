@@ -310,6 +310,20 @@ def test_what_returns_no_numbers_is_named(of, given):
 
 
 @pytest.mark.slow
+@pytest.mark.slow
+def test_a_controller_that_begins_anew_in_a_later_part_is_warned_of():
+    def integral(start):
+        return Feedback(lambda t, z, y: jnp.append(-z, 0.0), lambda t, z, y: y[:1], jnp.array([start]))
+
+    model = controlled()
+    first = fm.simulate(model, [0.0, 0.01], control=integral(0.0))
+    with pytest.warns(fm.FlexmbWarning, match="states of the controller, such as its integrals, begin at zero"):
+        fm.simulate(model, [0.01, 0.02], initial=first, control=integral(0.0))
+    # States that are given are meant; without states there are none to lose. A warning would be an error here.
+    fm.simulate(model, [0.01, 0.02], initial=first, control=integral(1e-3))
+    fm.simulate(model, [0.01, 0.02], initial=first)
+
+
 def test_a_controller_around_many_coordinates_is_warned_of():
     def stage(beams):
         b = fm.Builder()
