@@ -95,8 +95,13 @@ class Verdict(Labelled):
 
     @property
     def not_judged(self) -> tuple[str, ...]:
-        """Subjects without an answer that could limit the stroke; ``unanswered`` contains the reasons."""
-        return tuple(subject for subject in self.unanswered if subject.startswith(JUDGED))
+        """Subjects without an answer that could limit the stroke, and limits whose curve is unknown at some stroke.
+
+        ``unanswered`` contains the reasons.
+        """
+        open_subjects = [subject for subject in self.unanswered if subject.startswith(JUDGED)]
+        unknown = [limit.name for limit in self.limits if limit.stroke is None and np.any(np.isnan(limit.used))]
+        return tuple(dict.fromkeys([*open_subjects, *unknown]))
 
     def measured(self, name: str, state: Any) -> str:
         """Return a number of a curve with its unit.

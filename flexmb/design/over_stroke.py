@@ -1,5 +1,6 @@
 """Answers at each stroke: force, stress, stiffness, parasitic motion, buckling, frequencies."""
 
+import contextlib
 import dataclasses
 from collections.abc import Callable
 from typing import Any
@@ -69,6 +70,9 @@ class StrokeQuestions:
     def ask_too(self, name: str) -> None:
         """Ask another question by its text about the held state, at once at zero stroke; KeyError, ValueError."""
         question = asked(name)
+        # A wrong name leaves nothing behind. `look` notes other failures.
+        with heard(), contextlib.suppress(ModelError, AnalysisError, NotImplementedError):
+            float(question(self.at[0.0].held))
         self.questions[name] = lambda at, x_at_rest: {name: question(at.held)}
         self.values.clear()
         self.look(0.0)
@@ -86,10 +90,13 @@ class StrokeQuestions:
                 with heard():
                     answers |= {name: float(value) for name, value in ask(at, self.at[0.0].held.x).items()}
             except (ModelError, AnalysisError, NotImplementedError) as fault:
+                reason = " ".join(str(fault).split()).rstrip(".")
+                if stroke != 0:
+                    self.unanswered.setdefault(subject, f"at {quantity_text(stroke, self.unit)}: {reason}")
+                    continue
                 # A question without an answer at zero stroke is not asked again.
-                if stroke == 0:
-                    self.unanswered[subject] = " ".join(str(fault).split()).rstrip(".")
-                    del self.questions[subject]
+                self.unanswered[subject] = reason
+                del self.questions[subject]
         self.values[stroke] = answers
         return True
 

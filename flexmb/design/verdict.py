@@ -92,6 +92,8 @@ def verdict(
         raise TypeError(
             "Argument `dimensions` needs a function of the dimensions. Give the function instead of the model."
         )
+    if {"frequency", "frequency 1"}.issubset(limits or {}):
+        raise ValueError("Limits of 'frequency' and 'frequency 1' are the same. Give one of them.")
     model = as_determined(as_known_model(model, "verdict"), "verdict")
     name, (low, high) = _ends(stroke)
     model = with_turn(model, str(name))
@@ -103,7 +105,7 @@ def verdict(
             report(0, total)
         asked.look(0.0, throw=True)
         for extra in limits or {}:
-            if extra not in asked.values[0.0]:
+            if extra not in (*asked.values[0.0], "frequency"):
                 with contextlib.suppress(KeyError, ValueError):
                     asked.ask_too(extra)
         for side in sides:

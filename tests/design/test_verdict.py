@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.answers import plain
+from flexmb.design.over_stroke import StrokeQuestions
 from flexmb.design.stroke import driven
 from flexmb.display import quantity_text
 
@@ -332,7 +333,7 @@ def test_a_tilt_of_a_hinge_has_another_axis_than_its_turn():
     np.testing.assert_allclose(np.abs(found.curves["parasitic rx"]), np.abs(found.stroke), rtol=1e-6)
 
 
-def test_a_deformation_is_driven_and_let_go():
+def spring():
     b = fm.Builder()
     b.node("l", (0, 0))
     b.node("r", (1, 0))
@@ -341,13 +342,37 @@ def test_a_deformation_is_driven_and_let_go():
     b.mass("r", 2.0)
     b.force("r", (3.0, 0))
     b.add(planar.truss, "l", "r", name="spring", section=fm.Rigidity(EA=100.0))
-    found = fm.verdict(b.build(), {"spring.e1": 0.1}, steps=1, limits={"force": 5.0})
+    return b.build()
+
+
+def test_a_deformation_is_driven_and_let_go():
+    found = fm.verdict(spring(), {"spring.e1": 0.1}, steps=1, limits={"force": 5.0})
     np.testing.assert_allclose(found.curves["force"], 100 * found.stroke - 3, rtol=1e-12)
     np.testing.assert_allclose(found.curves["frequency 1"], np.sqrt(100 / 2) / (2 * np.pi), rtol=1e-12)
     # Of both sides, -20 mm and 80 mm, the earlier one counts.
     assert found.limits[0].stroke == approx(-0.02, rel=1e-6)
     assert found.unit == "m"
     assert "give `node`" in found.unanswered["support stiffness"]
+    # A limit whose curve is unknown somewhere may be reached there.
+    used = np.where(found.stroke > 0, np.nan, 0.5)
+    unknown = dataclasses.replace(found, limits=(dataclasses.replace(found.limits[0], used=used, stroke=None),))
+    assert "force" in unknown.not_judged
+    assert "good enough; not judged: " in unknown.summary().title
+
+
+def test_a_question_without_an_answer_at_a_stroke_is_told():
+    model = spring()
+    asked = StrokeQuestions(model, driven(model, "spring.e1"), None, 1)
+
+    def own(at, x_at_rest):
+        if float(at.force) > 3:
+            raise fm.AnalysisError("not_converged", "No answer here.")
+        return {"own": 1.0}
+
+    asked.questions = {"own": own}
+    assert all(asked.look(stroke) for stroke in (0.0, 0.01, 0.1, 0.12))
+    np.testing.assert_array_equal(asked.curves()["own"], [1.0, 1.0, np.nan, np.nan])
+    assert asked.unanswered == {"own": "at 100 mm: No answer here"}
 
 
 @pytest.mark.parametrize(
@@ -372,9 +397,11 @@ def test_what_cannot_be_asked_is_refused(stroke, more, expected, said):
     ("limits", "said"),
     [
         ({"stif": 1.0}, "There are: force, drive stiffness"),
+        ({"stress nowhere": 1.0, "force": 1.0}, "Limit of 'stress nowhere': there is no such curve"),
         ({"force": -1.0}, "must be a positive number"),
         ({"force": (None, None)}, r"\(None, None\)"),
         ({"force": (5.0, 1.0)}, "lower 5 is not below upper 1"),
+        ({"frequency": 10.0, "frequency 1": 20.0}, "'frequency' and 'frequency 1' are the same"),
     ],
 )
 def test_a_limit_that_cannot_be_asked_is_refused(limits, said):
