@@ -10,7 +10,7 @@ from jax.tree_util import Partial
 from jaxtyping import Array, ArrayLike, Float
 
 from ..control.state_space import state_matrices
-from ..errors import SpacarError, heard
+from ..errors import SpacarError
 from ..linear.linearize import Linearization, Matrices
 from ..linear.loose import without_mass
 from ..linear.spectrum import general_spectrum, is_real, massless_freedoms, to_frequency
@@ -187,9 +187,7 @@ def run(asked: ModeRequest, linearised: bool = False) -> ModeResult:
     atol = error["absolute"] / max(extent, 1.0) if "absolute" in error else None
     driven = motions_of(model, settings) | laws_of(asked.builder, model.labels, settings, Role.PRESCRIBED)
     asked.warnings += _idle_ways(asked)
-    # Idle incremental loads are reported by the keywords of the file.
-    with heard():
-        motion = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
+    motion = simulate(model, times, motion=driven, rtol=rtol, atol=atol, progress=asked.reported, throw=False)
     code = RESULTS(int(motion.result))
     extra = {"status": "ok" if code == RESULTS.successful else code.name, "message": code.message}
     if code not in PARTLY:

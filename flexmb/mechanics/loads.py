@@ -46,6 +46,8 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
     return load_factors(load_factor, increment)
 
 
+# Part of the warning about incremental loads.
+LEAVES_OUT = "leaves out the incremental loads of the model"
 # Advice for functions without the argument `increment`.
 _INSTEAD = {
     "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
@@ -63,8 +65,8 @@ def warn_of_increment(model: Model, function: str) -> None:
     if model.parameters.increment is not None and is_concrete(model):
         usual = "Give increment=1.0 for the state under all of them, increment=0.0 for this state"
         warn(
-            f"fm.{function} leaves out the incremental loads of the model: its result belongs to the state without"
-            f" them. {_INSTEAD.get(function, usual)}."
+            f"fm.{function} {LEAVES_OUT}: its result belongs to the state without them."
+            f" {_INSTEAD.get(function, usual)}."
         )
 
 

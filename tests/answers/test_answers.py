@@ -113,3 +113,24 @@ def test_tolerances_of_angles_do_not_depend_on_the_size_of_a_mechanism():
         data = answer(read.builder, "rotor", 1, idle, settings=read.settings, progress=False).data
         assert data["warnings"] == []
         assert data["x"]["4"][0] == approx(50.0, abs=0.05)
+
+
+@pytest.mark.slow
+def test_warnings_of_a_motion_are_in_the_answer():
+    """A beam that its load stretches by a tenth: cubic beams are inaccurate there, and mode 1 says so."""
+    b = fm.Builder()
+    b.node("1", (0.0, 0.0))
+    b.node("2", (1.0, 0.0))
+    b.add(planar.beam, "1", "2", name="1", section=fm.Rigidity(EA=10.0, EIy=1.0))
+    b.fix("1")
+    b.mass("2", 1.0, inertia=0.1)
+    b.dof("2", "x", "y", "phi")
+    b.force("2", (0.5, 0.0))
+    b.force("2", (1.0, 0.0), increment=True)
+    warnings = answer(b, "bar", 1, settings={"TIMESTEP": {"end": 1.0, "steps": 4}}, progress=False).data["warnings"]
+    # Half a period of 2 s: twice the static strain of 0.05.
+    assert any("strain along the beam reaches 0.1" in text for text in warnings)
+    # Once, by the keywords of a file.
+    assert [text for text in warnings if "ncremental loads" in text] == [
+        "Incremental loads (DELXF, DELESIG, DELINPX, DELINPE) act in modes 8 and 10: mode 1 answers without them."
+    ]
