@@ -51,11 +51,13 @@ LEAVES_OUT = "leaves out the incremental loads of the model"
 # Advice for functions without the argument `increment`.
 _INSTEAD = {
     "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
+    "motion.steady_motion": "Build them without increment=True to include them",
     "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",
     "state_matrices": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
     "stiffness": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
     "simulate": "Give increment=lambda t: 1.0 for all of them, increment=lambda t: 0.0 for none",
     "save_fmu": "Build them without increment=True to include them",
+    "trajectory.inverse_dynamics": "Build them without increment=True to include them",
     "to_nonlinear_system": "Build them without increment=True to include them",
 }
 

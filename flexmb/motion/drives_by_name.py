@@ -18,6 +18,7 @@ from ..display import among
 from ..elements.element import Element
 from ..errors import ModelError, first_line
 from ..mechanics.blocks import heat_sizes
+from ..mechanics.loads import warn_of_increment
 from ..model.by_name import turn_of
 from ..model.model import Labels, Model, Signal
 from .drive import MOMENTS, Driven, Table, has_table
@@ -117,6 +118,21 @@ def driven_by(model: Model, drives: Drives) -> tuple[Driven, ...]:
         factor = _function("Argument `increment`", drives.increment, 1)
         driven.append(Driven("increment", jnp.zeros(0, int), factor))
     return tuple(driven)
+
+
+def warn_of_left_out(model: Model, driven: tuple[Driven, ...], function: str) -> None:
+    """Warn of incremental loads that a prescribed motion neither scales nor replaces."""
+    more = model.parameters.increment
+    if more is None or not is_concrete((model, [drive.at for drive in driven])):
+        return
+    left_out = any("incremental" in dict(block.options) for block in model.topology.blocks)
+    left_out |= any(getattr(more, name) is not None for name in ("force", "gravity", "prestress", "temperature"))
+    for kind, values in (("x", more.x), ("e", more.e)):
+        places = [np.asarray(drive.at) for drive in driven if drive.quantity == kind]
+        moved = [] if values is None else np.flatnonzero(np.asarray(values))
+        left_out |= not np.all(np.isin(moved, np.concatenate([np.zeros(0), *places])))
+    if left_out:
+        warn_of_increment(model, function)
 
 
 def _load(model: Model, name: str, value: Any) -> Driven:

@@ -24,7 +24,7 @@ from ..numerical_limits import SMALL_DIAGONAL, STEADY_CONVERGED, STEADY_EQUATION
 from ..results import RESULTS, check, or_nan
 from .coordinates_form import coordinates_form
 from .drive import Driven
-from .drives_by_name import Drives, driven_by
+from .drives_by_name import Drives, driven_by, warn_of_left_out
 from .motion import Motion
 from .moving_matrices import moving_matrices, state_at_rates
 
@@ -109,7 +109,7 @@ def steady_motion(
 
     Warns:
         FlexmbWarning: The equations change as the motion continues: the degrees of freedom are not constant, and the
-            poles at one instant are meaningless.
+            poles at one instant are meaningless. Or the model has incremental loads, which are left out.
 
     Source:
         THEORY.md 6 and 7, with q_dot = q_ddot = 0.
@@ -119,6 +119,7 @@ def steady_motion(
     if not motion:
         raise ModelError("A steady motion needs a prescribed motion. Name it in `motion`.")
     driven = driven_by(model, Drives(motion=motion))
+    warn_of_left_out(model, driven, "motion.steady_motion")
     numbers = model.topology, model.parameters, driven
     linearization = Linearization(_steady(*numbers, jnp.asarray(time, float)), model)
     check(linearization.matrices.result, throw)

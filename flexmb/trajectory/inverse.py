@@ -26,7 +26,7 @@ from ..model.by_name import turn_of
 from ..model.model import Model, Signal, as_determined, as_known_model
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
-from ..motion.drives_by_name import Drives, driven_by
+from ..motion.drives_by_name import Drives, driven_by, warn_of_left_out
 from ..motion.element_forces import Moving, deformations_and_slopes
 from ..motion.full_turns import warn_of_full_turns
 from ..motion.loop import under_inputs
@@ -188,6 +188,9 @@ def inverse_dynamics(
         AnalysisError: outside_workspace (also if the way between two times is too long) or singular_plant, with the
             first time at which it occurs.
 
+    Warns:
+        FlexmbWarning: The model has incremental loads, which are left out.
+
     Source:
         THEORY.md 14, eq. (14.13) to (14.15).
     """
@@ -200,6 +203,7 @@ def inverse_dynamics(
     acting = _acting_inputs(model, inputs, len(moved))
     _check_inputs(model)
     laws = driven_by(model, Drives(motion=prescribed)) if prescribed else ()
+    warn_of_left_out(model, laws, "trajectory.inverse_dynamics")
     names = list(targets)
     solution = _nominal(
         model.without_names(), laws, tuple(targets[n] for n in names), tuple(moved), tuple(acting), times

@@ -24,6 +24,15 @@ def test_rotating_cantilever_stiffens():
 
 
 @pytest.mark.slow
+def test_a_steady_motion_leaves_incremental_loads_out_with_a_warning():
+    b = motions.rotor(order=3)
+    b.force("tip", (0.0, 1e-3), increment=True)
+    angle = Partial(motions.turned, speed=jnp.array(0.0))
+    with pytest.warns(fm.FlexmbWarning, match="fm.motion.steady_motion leaves out the incremental loads"):
+        fm.motion.steady_motion(b.build(), {"hub.rotation.phi": angle})
+
+
+@pytest.mark.slow
 def test_pendulum_in_a_coordinate_that_is_not_its_angle():
     # A point of mass m on a rod of length 1, its place x the degree of freedom: m xdd/(1 - x^2) + m x xd^2/(1 - x^2)^2
     # + m g x/sqrt(1 - x^2) = 0 from Lagrange's equations; by hand, its derivatives by xd and by x.

@@ -1,5 +1,7 @@
 """What drives a mechanism along a trajectory: closed forms, and the motion that comes of it."""
 
+import dataclasses
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -11,11 +13,12 @@ from cases.trajectories import arm
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.motion.drives_by_name import Drives, driven_by, warn_of_left_out
 
 TIMES = np.linspace(0, 0.05, 201)
 
 
-def pendulum(length=0.8, mass=1.5, prescribed=False):
+def pendulum(length=0.8, mass=1.5, prescribed=False, pull=None):
     """A point mass on a massless arm, driven at its pivot or pulled along x at its tip; gravity along -y."""
     b = fm.Builder()
     b.node("pivot", (0, 0))
@@ -24,8 +27,10 @@ def pendulum(length=0.8, mass=1.5, prescribed=False):
     b.fix("pivot", "position")
     b.mass("tip", mass)
     b.gravity((0, -9.81))
+    if pull is not None:
+        b.force("tip", (pull, 0.0), increment=True)
     if prescribed:
-        b.prescribe("pivot", "phi")
+        b.prescribe("pivot", "phi", *(() if pull is None else (1.0,)), increment=pull is not None)
     else:
         b.dof("pivot", "phi")
         b.input("tip", "x", name="pull")
@@ -87,6 +92,20 @@ def test_guide_under_its_nominal_input_follows():
     motion = fm.simulate(model, TIMES, loads={"right1.x": found.inputs["force right1.x"]}, rtol=1e-10)
     np.testing.assert_allclose(motion.position("right1", "x") - 0.1, found.y0[:, 2], rtol=0, atol=1e-8)
     np.testing.assert_allclose(found.y0[:, 2], jax.vmap(law)(jnp.asarray(TIMES)), rtol=0, atol=1e-14)
+
+
+@pytest.mark.slow
+def test_incremental_loads_are_left_out_with_a_warning():
+    law, times = fm.trajectory.quintic(0.0, 2.0, 0.05), TIMES[::40]
+    with pytest.warns(fm.FlexmbWarning, match=r"inverse_dynamics leaves out the incremental loads.*Build them without"):
+        fm.trajectory.inverse_dynamics(pendulum(prescribed=True, pull=3.0), {"pivot.phi": law}, times)
+    driven = driven_by(model := pendulum(prescribed=True, pull=3.0), Drives(motion={"pivot.phi": law}))
+    alone = dataclasses.replace(model.parameters.increment, force=None)
+    model = dataclasses.replace(model, parameters=dataclasses.replace(model.parameters, increment=alone))
+    # The trajectory replaces the incremental angle: a warning would be an error here.
+    warn_of_left_out(model, driven, "trajectory.inverse_dynamics")
+    with pytest.warns(fm.FlexmbWarning, match="leaves out"):
+        warn_of_left_out(model, (), "trajectory.inverse_dynamics")
 
 
 @pytest.mark.slow
