@@ -227,7 +227,6 @@ def test_a_resonance_without_damping_in_a_band_is_refused():
     assert np.isfinite(fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.01 * w, 0.1 * w)).rms("tip"))
 
 
-@pytest.mark.slow("49.0-mass")
 def test_frequencies_that_do_not_resolve_a_resonance_are_told():
     """The mean square of a mass under white force is S/(4 d k), of one-sided density S, whatever the grid finds."""
     damping = 2 * 5e-4 * np.sqrt(K * M)
@@ -253,6 +252,7 @@ def test_frequencies_that_do_not_resolve_a_resonance_are_told():
     assert loop.rms() == approx(float(banded.rms()), rel=1e-2)
 
 
+@pytest.mark.slow("49.0-mass")
 @pytest.mark.parametrize("pushed", ["mass", "end"])
 @pytest.mark.parametrize("stiffness", [49.0, 50.0, 64.0])
 def test_motions_without_mass_pass_on_nothing_by_round_off(stiffness, pushed):
