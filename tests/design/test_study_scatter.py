@@ -95,6 +95,7 @@ def test_a_search_for_nominal_values_of_a_study_needs_no_made_mechanisms(study):
     assert found.dimensions["t"] == pytest.approx((1000 * 0.1**3 / (2 * 210e9 * 0.018)) ** (1 / 3), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_a_sweep_of_a_study_with_scatter_is_nominal(study):
     found = read_study(study).sweep()
     assert found.answers["k"] == pytest.approx(2 * 210e9 * 0.018 * found.designs["t"] ** 3 / 0.1**3, rel=1e-4)

@@ -324,6 +324,7 @@ def test_a_controller_that_begins_anew_in_a_later_part_is_warned_of():
     fm.simulate(model, [0.01, 0.02], initial=first)
 
 
+@pytest.mark.slow
 def test_a_controller_around_many_coordinates_is_warned_of():
     def stage(beams):
         b = fm.Builder()
