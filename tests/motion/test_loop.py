@@ -310,7 +310,6 @@ def test_what_returns_no_numbers_is_named(of, given):
 
 
 @pytest.mark.slow
-@pytest.mark.slow
 def test_a_controller_that_begins_anew_in_a_later_part_is_warned_of():
     def integral(start):
         return Feedback(lambda t, z, y: jnp.append(-z, 0.0), lambda t, z, y: y[:1], jnp.array([start]))
