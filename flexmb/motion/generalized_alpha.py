@@ -6,6 +6,7 @@ import diffrax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from ..arguments import check_number
 from ..compilation.compile import jit_beside_options
 from .newton import solve_step
 from .protocol import MotionState, Tangent
@@ -27,6 +28,10 @@ class GeneralizedAlpha(SecondOrderSolver):
     """
 
     radius: float = 0.8
+
+    def __check_init__(self):
+        """Raise ValueError for a radius beyond its range, with which errors grow without limit."""
+        check_number("radius", self.radius, least=0, most=1)
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
         """Return accelerations and multipliers at the start, and the mean accelerations of the method.

@@ -150,6 +150,12 @@ def test_what_fixed_steps_need(oscillator, options, expected):
         fm.simulate(oscillator, np.array([0.0, 1.0]), solver=fm.motion.EnergyKeeping(), **options)
 
 
+@pytest.mark.parametrize("radius", [-0.5, 3.0, np.nan])
+def test_a_spectral_radius_beyond_its_range_is_refused(radius):
+    with pytest.raises(ValueError, match="`radius` must be at least 0 and at most 1"):
+        fm.motion.GeneralizedAlpha(radius)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "derivative", "adjoint"),
