@@ -5086,6 +5086,33 @@ FAULTS = [
         "known = {}",
         "identification/test_fit_study.py -k table_a_response",
     ),
+    Fault(
+        "linear/stress.py",
+        "if at is not None and not (is_concrete(factor)",
+        "if at is None and not (is_concrete(factor)",
+        "linear/test_states.py -k go_together",
+    ),
+    Fault(
+        "plot/sweep.py",
+        "np.unique(sweep_result.axes[name])",
+        "np.asarray(sweep_result.axes[name])",
+        "plot/test_designs.py -k any_order",
+    ),
+    Fault(
+        "motion/simulate.py",
+        "np.any(differs := np",
+        "not np.any(differs := np",
+        "motion/test_simulate.py -k another_length",
+    ),
+    Fault("design/judgement.py", "np.any(np.isnan(limit.used))", "False", "design/test_verdict.py -k let_go"),
+    Fault("design/over_stroke.py", "if stroke != 0:", "if False:", "design/test_verdict.py -k is_told"),
+    Fault(
+        "answers/answers.py",
+        "for text in heard_warnings if LEAVES_OUT not in text",
+        "for text in heard_warnings if LEAVES_OUT in text",
+        "answers/test_answers.py -k warnings_of_a_motion",
+        slow=True,
+    ),
 ]
 
 if __name__ == "__main__":
