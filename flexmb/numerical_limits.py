@@ -1027,6 +1027,9 @@ ZERO_SLOPE = 1e-9
 PART_IN_COMBINATION = 0.02
 """A parameter with less than this part in a direction does not belong to the combination."""
 
+SYMMETRIC_COVARIANCE = 1e-9
+"""A covariance may be unsymmetric by this share of its largest entry: tables print ten digits."""
+
 OUTLIER = 3.0
 """Differences beyond so many standard deviations are named. Scatter alone exceeds it once in 370."""
 

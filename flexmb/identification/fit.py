@@ -143,6 +143,8 @@ def _priors(priors: Mapping[str, Any], layout: Layout) -> dict[int, Prior]:
         means, deviations = (np.broadcast_to(part, (len(places),)) for part in (mean, deviation))
         if not (np.all(np.isfinite(means)) and np.all(np.isfinite(deviations) & (deviations > 0))):
             raise ValueError(f"The prior of '{printable(name)}' must be finite, with a positive standard deviation.")
+        if twice := [layout.labels[i] for i in places if i in by_index]:
+            raise ValueError(f"Parameter '{printable(twice[0])}' has two priors. Give one.")
         by_index |= {i: Prior(float(m), float(d)) for i, m, d in zip(places, means, deviations, strict=True)}
     return dict(sorted(by_index.items()))
 

@@ -125,6 +125,8 @@ def modes_of_response(
     if (modes or 1) > most:
         raise ValueError(f"{values.size} values do not determine {modes or 1} modes: measure more frequencies.")
     chosen = _chosen(rows, _candidates(rows), modes, min(most, modes or MOST_MODES))
+    if modes is None and len(chosen) == MOST_MODES < most:
+        warn(f"The search ended at {MOST_MODES} modes. If there are more in the band, state their number by `modes`.")
     poles: Any = chosen[np.argsort(np.abs(chosen))]
     jacobian = rows.slopes(poles)
     residual, coefficients = rows.solved(poles)

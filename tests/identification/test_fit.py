@@ -278,6 +278,8 @@ def test_bad_arguments_are_refused_by_name():
         fm.fit(cart, fm.measured("mass", LOADS, 0.1), GUESS, BOUNDS)
     with pytest.raises(ValueError, match="covariance that is not positive definite"):
         fm.measured("mass", [4.0, 5.0], covariance=[[1.0, 2.0], [2.0, 1.0]])
+    with pytest.raises(ValueError, match="covariance that is not symmetric"):
+        fm.measured("mass", [1e-6, 2e-6], covariance=[[1e-12, 0.9e-12], [-0.5e-12, 1e-12]])
     with pytest.raises(KeyError, match="no parameter 'width'"):
         fm.fit(cart, data, GUESS, BOUNDS).interval("width")
 
