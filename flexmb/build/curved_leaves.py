@@ -51,7 +51,6 @@ def warn_of_curved_leaves(builder: Description) -> None:
                 " line and of folds. Make it one leaf spring with `curvature`.",
                 BeamTheoryWarning,
             )
-            return
         for narrow, wide in _pairs_in_rigid_parts(builder, leaves):
             if _is_beside_slot(builder, narrow, wide):
                 warn(

@@ -75,9 +75,10 @@ def with_steps(described: Description, builder: Description) -> Description:
         # The curvature across a thicker part is smaller by the cube of the thicknesses: the end is partly flat.
         widths, thicknesses = (library.stack([library.asarray(size[i], float) for size in own]) for i in range(2))
         partly = 1 - library.minimum(thicknesses / beside[1], 1.0) ** 3
-        # Unless a clamp beyond it has a larger effect.
-        prevails = partly * REACH * widths >= flags[0] * REACH * widths - flags[1]
-        flags = library.where(prevails, library.stack([partly, 0 * partly]), flags)
+        # Unless the user states what clamps the ends, or a clamp beyond has a larger effect.
+        if leaves[name].properties["clamped"] is None:
+            prevails = partly * REACH * widths >= flags[0] * REACH * widths - flags[1]
+            flags = library.where(prevails, library.stack([partly, 0 * partly]), flags)
         properties = {**member.properties, "clamped": library.concatenate([flags, beside])}
         described.members[name] = dataclasses.replace(member, properties=properties)
     return described

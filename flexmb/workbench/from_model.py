@@ -200,7 +200,7 @@ class _Conversion:
             del properties["damping"]
         if "clamped" in properties and name in self.stated:
             flags, beyond = flags_and_distances(np.asarray(properties["clamped"]))
-            properties["clamped"] = tuple(map(bool, np.where(beyond > 0, 0.0, flags)))
+            properties["clamped"] = tuple((np.where(beyond > 0, 0.0, flags) == 1).tolist())
         else:
             properties.pop("clamped", None)
         chosen = {n for n, role in enumerate(roles, 1) if role in (Role.DOF, Role.PRESCRIBED)}

@@ -1,6 +1,7 @@
 """Ends of leaf springs beside solid elements and closed forms: skew clamps, steps, elastic roots."""
 
 import warnings
+from types import MappingProxyType
 from typing import Any
 
 import hypothesis.strategies as st
@@ -399,12 +400,12 @@ def rows(model: fm.Model) -> list[list[float]]:
     return np.asarray(properties["clamped"])[:, 2:].round(6).tolist()
 
 
-def in_line(sections, join=None) -> fm.Model:
+def in_line(sections, join=None, properties=MappingProxyType({})) -> fm.Model:
     b = fm.Builder()
     for i in range(len(sections) + 1):
         b.node(f"n{i}", (0.05 * i, 0))
     for i, section in enumerate(sections):
-        b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", name=f"part {i}", section=section)
+        b.add(planar.leaf_spring, f"n{i}", f"n{i + 1}", name=f"part {i}", section=section, **properties.get(i, {}))
     b.fix("n0")
     if join is not None:
         join(b)
@@ -494,6 +495,30 @@ def test_derivatives_by_the_widths_of_a_step():
     slopes = [float(answer(sizes + step) - answer(sizes - step)) / (2 * step.sum()) for step in steps]
     np.testing.assert_allclose(forward, slopes, rtol=1e-5)
     np.testing.assert_allclose(forward, reverse, rtol=1e-8)
+
+
+@pytest.mark.slow
+def test_derivatives_by_the_thickness_of_parts_that_keep_an_end_partly_flat():
+    def build(thin, thick):
+        return in_line([fm.Rectangle(0.03, thin, STEEL), fm.Rectangle(0.03, thick, STEEL)])
+
+    def answer(model):
+        return 1e3 * fm.compliance(model, "n2")[1, 1]
+
+    sizes, step = {"thin": 0.5e-3, "thick": 0.7e-3}, 1e-8
+    slopes = fm.sensitivities(build, {"answer": answer}, sizes).slopes[0]
+    shifted = [{**sizes, name: sizes[name] + sign * step} for name in sizes for sign in (1, -1)]
+    up, down = np.array([float(answer(build(**given))) for given in shifted]).reshape(2, 2).T
+    # The error of a central difference is the square of its step over the thickness.
+    np.testing.assert_allclose(slopes, (up - down) / (2 * step), rtol=1e-6)
+
+
+def test_a_statement_on_clamps_holds_beside_a_thicker_part():
+    """THEORY.md (2.71) where nothing is stated; a stated end is clamped or not."""
+    sections = [fm.Rectangle(0.03, 0.5e-3, STEEL), fm.Rectangle(0.03, 1e-3, STEEL)]
+    models = [in_line(sections, properties=given) for given in ({}, {0: {"clamped": (True, False)}})]
+    flags = [np.asarray(own["clamped"])[0, 0, 1] for m in models for own in m.parameters.properties if "clamped" in own]
+    assert flags == approx([1 - 0.5**3, 0.0], rel=1e-12)
 
 
 # -- roots ------------------------------------------------------------------------------------------------------------
@@ -758,8 +783,17 @@ def slotted(block: float = 0.0) -> fm.Builder:
 
 
 def test_leaf_springs_beside_a_slot_warn():
-    with pytest.warns(fm.BeamTheoryWarning, match="'left start to left end' continues 'foot to start' .* of a slot"):
+    slot = "'left start to left end' continues 'foot to start' .* of a slot"
+    with pytest.warns(fm.BeamTheoryWarning, match=slot):
         slotted().build()
+    # Another warning does not hide it.
+    b = slotted()
+    for name, place in {"a": (0.14, 0, 0.02), "b": (0.17, 0, 0.05)}.items():
+        b.node(name, place)
+    for pair in (("tip", "a"), ("a", "b")):
+        b.add(spatial.leaf_spring, *pair, section=fm.Rectangle(0.03, 0.5e-3, STEEL), y=(0, 1, 0))
+    with pytest.warns(fm.BeamTheoryWarning, match="straight pieces"), pytest.warns(fm.BeamTheoryWarning, match=slot):
+        b.build()
     with warnings.catch_warnings():
         warnings.simplefilter("error", fm.BeamTheoryWarning)
         slotted(block=0.002).build()

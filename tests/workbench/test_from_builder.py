@@ -307,12 +307,13 @@ def test_angles_about_global_axes(what):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared", "step in thickness"])
+@pytest.mark.parametrize("case", ["fold", "fold beside a statement", "statement that is shared", "thick", "thicker"])
 def test_clamps_of_a_model_are_found_again_or_stated(case):
     leaf = fm.Rectangle(0.05, 0.5e-3, fm.Material(210e9, 80e9, 7850.0))
     b = fm.Builder()
     last = (0.1, 0, 0.1) if case.startswith("fold") else (0.2, 0, 0)
-    other = fm.Rectangle(0.05, 2e-3, leaf.material) if case == "step in thickness" else leaf
+    thickness = {"thick": 2e-3, "thicker": 1e-3}.get(case)
+    other = fm.Rectangle(0.05, thickness, leaf.material) if thickness else leaf
     for name, place in {"A": (0, 0, 0), "B": (0.1, 0, 0), "C": last}.items():
         b.node(name, place)
     stated = {"fold beside a statement": (True, False), "statement that is shared": (True, True)}.get(case)
