@@ -127,6 +127,7 @@ def on_a_floor(quantity: Any, sensor: Any = None) -> fm.Model:
     return b.build()
 
 
+@pytest.mark.slow
 def test_pid_of_a_sensor_of_positions():
     """The stretch of the spring is the place, for the force; a sensor with a rate is no position."""
     found = fm.control.pid(on_a_floor("acceleration"), 5.0, input="force", output="slide")

@@ -227,6 +227,7 @@ def test_a_resonance_without_damping_in_a_band_is_refused():
     assert np.isfinite(fm.control.noise_budget(model, sources={"push": FORCE}, band=(0.01 * w, 0.1 * w)).rms("tip"))
 
 
+@pytest.mark.slow
 def test_frequencies_that_do_not_resolve_a_resonance_are_told():
     """The mean square of a mass under white force is S/(4 d k), of one-sided density S, whatever the grid finds."""
     damping = 2 * 5e-4 * np.sqrt(K * M)

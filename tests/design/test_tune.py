@@ -451,6 +451,7 @@ def test_targets_met_up_to_the_end_of_a_search_are_not_called_missed():
     assert "bend" not in found.reason
 
 
+@pytest.mark.slow
 def test_answers_of_two_mechanisms_in_one_search():
     """Two cantilevers with a mass at the tip: frequencies by 3 E I/L^3; the second one is twice as long."""
 
