@@ -2566,6 +2566,12 @@ FAULTS = [
     Fault("build/ends_in_line.py", "return wide, thick", "return width, thick", "elements/test_leaf_ends.py -k have"),
     Fault(
         "build/ends_in_line.py",
+        'if leaves[name].properties["clamped"] is None:',
+        "if True:",
+        "elements/test_leaf_ends.py -k statement_on_clamps",
+    ),
+    Fault(
+        "build/ends_in_line.py",
         "length)) < 0:",
         "length)) < -9:",
         "elements/test_leaf_ends.py -k too_short",
