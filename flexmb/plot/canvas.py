@@ -67,11 +67,7 @@ def prefix_for(largest: float, unit: str) -> tuple[float, str]:
 
 
 def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
-    """Label an axis with its unit; one in metres counts in millimetres or micrometres where that is shorter.
-
-    What is drawn stays in metres, so that more can be drawn over it; the numbers along the axis alone are multiplied.
-    Returns the unit that the axis counts in.
-    """
+    """Label an axis; return the unit of its numbers, a shorter one than metres although all is drawn in metres."""
     if unit == "m":
         from matplotlib.ticker import Formatter
 
@@ -82,21 +78,15 @@ def label_axis(axis: Any, name: str, unit: str, largest: float) -> str:
     return unit
 
 
-def figure_grid(count: int, dimension: int) -> tuple[Any, list[Any]]:
-    """Figure with axes for several mechanisms, at most three in a row.
-
-    Args:
-        count: Number of axes.
-        dimension: 2 or 3.
-
-    Returns:
-        Figure and axes.
-    """
+def figure_grid(
+    count: int, dimension: int = 2, *, size: tuple[float, float] = (4.2, 3.8), most: int = 3
+) -> tuple[Any, list[Any]]:
+    """Figure with several axes of a size, at most so many in a row; and the axes."""
     import matplotlib.pyplot as plt
 
-    columns = min(3, count)
+    columns = min(most, count)
     rows = -(-count // columns)
-    figure = plt.figure(figsize=(4.2 * columns, 3.8 * rows), layout="constrained")
+    figure = plt.figure(figsize=(size[0] * columns, size[1] * rows), layout="constrained")
     projection = "3d" if dimension == 3 else None
     return figure, [figure.add_subplot(rows, columns, i + 1, projection=projection) for i in range(count)]
 
@@ -139,18 +129,14 @@ def mechanism_lines(ax: Any, lines: Sequence[Line], ghost: bool = False) -> None
         marks(ax, np.array(places), "hinge", marker="o", markersize=8, color=BLACK, markerfacecolor="white", zorder=4)
 
 
-def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], label: str, **style: Any) -> None:
-    """Half-transparent faces as one collection.
-
-    Args:
-        style: As for matplotlib's PolyCollection: "facecolor", or "array" with a number for each face and "cmap".
-    """
+def faces(ax: Any, quads: Sequence[Float[np.ndarray, "quads 4 d"]], **style: Any) -> None:
+    """Half-transparent faces of sections as one collection: ``facecolor``, or ``array`` with a number for each."""
     from matplotlib.collections import PolyCollection
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
     if not quads:
         return
-    style = {"edgecolor": "none", "alpha": 0.35, "label": label, "zorder": 1.5, **style}
+    style = {"edgecolor": "none", "alpha": 0.35, "label": "section", "zorder": 1.5, **style}
     corners: Any = np.concatenate(quads)
     if ax.name == "3d":
         ax.add_collection3d(Poly3DCollection(corners, **style), autolim=False)
@@ -180,9 +166,11 @@ def write_text(ax: Any, point: Float[np.ndarray, "d"], text: str, **style: Any) 
     ax.text(*point, text, fontsize=8, zorder=6, bbox=paper, **style)
 
 
-def frame_points(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08) -> None:
+def frame_points(ax: Any, points: Float[np.ndarray, "n d"]) -> None:
     """Limits around points, equal scales, and labels with the unit that suits the extent."""
-    around = margin * point_extent(points)
+    from matplotlib.ticker import MaxNLocator
+
+    around = 0.08 * point_extent(points)
     low, high = np.min(points, axis=0) - around, np.max(points, axis=0) + around
     # A flat direction keeps some thickness, to make its axis readable.
     size = np.maximum(high - low, 0.25 * np.max(high - low))
@@ -191,7 +179,8 @@ def frame_points(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08
         axis = getattr(ax, f"{name}axis")
         label_axis(axis, name, "m", np.max(size))
         # A short side has room for few numbers.
-        axis.set_major_locator(_ticks((4 if ax.name == "3d" else 6) * s / np.max(size)))
+        count = round((4 if ax.name == "3d" else 6) * s / np.max(size))
+        axis.set_major_locator(MaxNLocator(max(1, count), min_n_ticks=1))
     if ax.name == "3d":
         ax.set_box_aspect(size, zoom=0.76)
         # A flat mechanism is viewed from its broad side.
@@ -201,17 +190,8 @@ def frame_points(ax: Any, points: Float[np.ndarray, "n d"], margin: float = 0.08
         ax.set_aspect("equal", adjustable="box")
 
 
-def _ticks(count: float) -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(max(1, round(count)), min_n_ticks=1)
-
-
 def spread_texts(ax: Any) -> None:
-    """Move the texts of a picture so that they lie over no other text, axis or colour bar, each as little as it takes.
-
-    Call it when all else is drawn. Texts move on paper: what they belong to may turn or grow afterwards.
-    """
+    """Move the texts of a complete picture as little as it takes to lie over no other text, axis or colour bar."""
     from matplotlib.transforms import ScaledTranslation
 
     texts = [text for text in ax.texts if text.get_text().strip()]

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..identification.fitted import Fit
 from ..identification.measurement import Measured
-from .canvas import BLACK, BLUE, RED, draw_band, entitle
+from .canvas import BLACK, BLUE, RED, draw_band, entitle, figure_grid
 
 # Names of parameters are written beside the correlation up to so many.
 NAMED = 12
@@ -30,19 +30,17 @@ def fit(found: Fit) -> Any:
     """
     if not isinstance(found, Fit):
         raise TypeError(f"Argument `found` must be a result of fm.fit(..), but is a {type(found).__name__}.")
-    import matplotlib.pyplot as plt
-
     several = len(found.labels) > 1
-    panels = len(found.data) + 1 + several
-    columns = min(panels, 3)
-    figure = plt.figure(figsize=(4.5 * columns, 3.4 * -(-panels // columns)), layout="constrained")
-    axes = [figure.add_subplot(-(-panels // columns), columns, 1 + i) for i in range(panels)]
-    bands = found.computed_deviation
+    figure, axes = figure_grid(len(found.data) + 1 + several, size=(4.5, 3.4))
     for ax, item in zip(axes, found.data, strict=False):
-        _beside(ax, item, found.computed[item.name], bands[item.name])
+        _beside(ax, item, found.computed[item.name], found.computed_deviation[item.name])
     _differences(axes[len(found.data)], found)
     if several:
-        _correlation(axes[-1], found)
+        image = axes[-1].imshow(found.correlation, cmap="RdBu", vmin=-1, vmax=1)
+        figure.colorbar(image, ax=axes[-1], label="correlation [-]")
+        if len(found.labels) <= NAMED:
+            axes[-1].set_xticks(range(len(found.labels)), found.labels, rotation=45, ha="right")
+            axes[-1].set_yticks(range(len(found.labels)), found.labels)
     entitle(figure, f"{found.result.name}: {found.reason}")
     return figure
 
@@ -70,11 +68,3 @@ def _differences(ax: Any, fit_result: Fit) -> None:
     ax.set_xlabel("value")
     ax.set_ylabel("computed less measured [deviations]")
     ax.grid(visible=True, alpha=0.3)
-
-
-def _correlation(ax: Any, fit_result: Fit) -> None:
-    image = ax.imshow(fit_result.correlation, cmap="RdBu", vmin=-1, vmax=1)
-    ax.figure.colorbar(image, ax=ax, label="correlation [-]")
-    if len(fit_result.labels) <= NAMED:
-        ax.set_xticks(range(len(fit_result.labels)), fit_result.labels, rotation=45, ha="right")
-        ax.set_yticks(range(len(fit_result.labels)), fit_result.labels)

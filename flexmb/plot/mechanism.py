@@ -84,7 +84,7 @@ def mechanism(
     drawn = scaled_lines(model, reference, state, scale)
     mechanism_lines(ax, drawn)
     quads = list(strips(model, x, drawn).values()) if sections else []
-    faces(ax, quads, "section", facecolor=BLUE)
+    faces(ax, quads, facecolor=BLUE)
     points = {name: x[indices] for name, indices in nodes_of(model).items()}
     seen = np.concatenate([*seen, *(line.points for line in drawn), np.array(list(points.values()))])
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)

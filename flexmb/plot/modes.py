@@ -72,7 +72,7 @@ def _draw(ax: Any, model: Model, x: np.ndarray, shape: np.ndarray, amplitude: fl
     mechanism_lines(ax, drawn)
     moved = displaced(model, after, scale, base=x)
     if model.labels.dimension == 3:
-        faces(ax, list(strips(model, moved, drawn).values()), "section", facecolor=BLUE)
+        faces(ax, list(strips(model, moved, drawn).values()), facecolor=BLUE)
     draw_supports(ax, model, {name: moved[indices] for name, indices in nodes_of(model).items()})
     frame_points(ax, np.concatenate([line.points for line in (*still, *drawn)]))
 

@@ -54,7 +54,7 @@ def self_stress(found: Mobility, state: int = 0, *, ax: Any = None) -> Any:
     if model.labels.dimension == 3:
         widths = {name: quads for name, quads in strips(model, x, drawn).items() if name in part}
         shades = np.concatenate([np.full(len(quads), part[name]) for name, quads in widths.items()] or [np.zeros(0)])
-        faces(ax, list(widths.values()), "section", array=shades, cmap=style["cmap"], clim=style["clim"])
+        faces(ax, list(widths.values()), array=shades, cmap=style["cmap"], clim=style["clim"])
     ax.figure.colorbar(coloured, ax=ax, label="largest stress resultant, relative [-]", shrink=0.8)
     most = LABELS[len(taking) > FEW]
     for line in taking:

@@ -80,7 +80,7 @@ def stress(
     style: dict[str, Any] = {"cmap": colours_name, "clim": (low, high)}
     coloured = polylines(ax, segments, label, np.concatenate(colours), linewidth=3.0, zorder=3, **style)
     if quads:
-        faces(ax, quads, "section", alpha=0.6, array=np.concatenate(shades), **style)
+        faces(ax, quads, alpha=0.6, array=np.concatenate(shades), **style)
     ax.figure.colorbar(coloured, ax=ax, label=label, shrink=0.8)
     edges = [quad.reshape(-1, 3) for quad in quads]
     frame_points(ax, np.concatenate([*(line.points for line in (*drawn, *still)), *edges]))

@@ -75,7 +75,7 @@ def sweep(
                 f" own. Choose one of {', '.join(names)}."
             )
         if ax is None:
-            figure, axes = figure_grid(len(names), 2)
+            figure, axes = figure_grid(len(names))
             for name, panel in zip(names, axes, strict=False):
                 sweep(found, name, over, ax=panel)
             return figure

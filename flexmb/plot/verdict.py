@@ -8,9 +8,8 @@ import numpy as np
 from ..design.judgement import Verdict
 from ..display import prefix_of
 from ..numerical_limits import STRAIGHT_MOTION
-from .canvas import BLACK, GREY, RED, entitle
+from .canvas import BLACK, GREY, RED, entitle, figure_grid
 
-PANEL = 3.7, 2.9
 # Panels: title, first words of the curves' names, and whether they are drawn as share of the value at rest.
 PANELS = (
     ("force of the drive", ("force",), False),
@@ -37,8 +36,6 @@ def verdict(found: Verdict) -> Any:
     """
     if not isinstance(found, Verdict):
         raise TypeError(f"Argument `found` must be a result of fm.verdict(..), but is a {type(found).__name__}.")
-    import matplotlib.pyplot as plt
-
     by, prefix = prefix_of(float(np.max(np.abs(found.stroke))))
     drawn: list[tuple[str, Callable[[Any], None]]] = []
     for title, names, as_share in PANELS:
@@ -48,11 +45,10 @@ def verdict(found: Verdict) -> Any:
         drawn.insert(1, ("share of each limit", lambda ax: _shares(ax, found, by)))
     elif "stress" in found.curves:
         drawn.insert(1, ("largest stress", lambda ax: _lines(ax, found, by, {"stress": found.curves["stress"]}, False)))
-    columns = min(3, len(drawn))
-    rows = -(-len(drawn) // columns)
-    figure = plt.figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.3), layout="constrained")
-    for i, (title, draw) in enumerate(drawn):
-        ax = figure.add_subplot(rows, columns, i + 1)
+    figure, axes = figure_grid(len(drawn), size=(3.7, 2.9))
+    # Room for the title of all.
+    figure.set_figheight(figure.get_figheight() + 0.3)
+    for ax, (title, draw) in zip(axes, drawn, strict=True):
         draw(ax)
         if found.limits and (stroke := found.limits[0].stroke) is not None:
             ax.axvline(stroke / by, color=RED, linewidth=1.0, linestyle="--")

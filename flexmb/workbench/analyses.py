@@ -24,7 +24,7 @@ from ..mechanics.loads import has_loads
 from ..model.by_name import TURNS
 from ..model.model import Model
 from ..plot.answer import figure_bytes, image
-from ..plot.canvas import GREY, prefix_for
+from ..plot.canvas import GREY, figure_grid, prefix_for
 from ..progress import Stopped
 from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
@@ -295,12 +295,9 @@ def _sweep(asked: Request) -> dict[str, Any]:
 
 def _curves(name: str, values: np.ndarray, present_value: float, keys: list[str], results: np.ndarray) -> Any:
     """A panel for each kind of answer."""
-    import matplotlib.pyplot as plt
-
     kinds = list(dict.fromkeys(key.partition(" ")[0] for key in keys))
-    figure = plt.figure(figsize=(3.7 * min(2, len(kinds)), 2.9 * -(-len(kinds) // 2)), layout="constrained")
-    for i, kind in enumerate(kinds):
-        ax = figure.add_subplot(-(-len(kinds) // 2), min(2, len(kinds)), i + 1)
+    figure, axes = figure_grid(len(kinds), size=(3.7, 2.9), most=2)
+    for ax, kind in zip(axes, kinds, strict=True):
         entries = [k for k, key in enumerate(keys) if key.partition(" ")[0] == kind]
         unit_of_kind = answer_unit(keys[entries[0]])
         factor, unit = prefix_for(float(np.nanmax(np.abs(results[:, entries]), initial=0.0)), unit_of_kind)
