@@ -98,7 +98,7 @@ def bode(
     ys = [i for i in range(len(rows)) if outputs is not None or np.any(moved[i])]
     us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
     names = [[names[0][i] for i in rows], [names[1][j] for j in columns]]
-    figure = _drawn(frequencies, responses, moved, ys, us, *names)
+    figure = _drawn(frequencies, responses, moved, (ys, us), names)
     notes = [
         f"{effect}: {', '.join(name for i, name in enumerate(every) if i not in indices)}"
         for effect, indices, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
@@ -157,24 +157,16 @@ def _responses(
         if not len(gaps):
             break
         more = np.sqrt(frequencies[gaps] * frequencies[gaps + 1])
-        frequencies, responses = (
-            np.insert(frequencies, gaps + 1, more),
-            np.insert(responses, gaps + 1, at(more), axis=0),
-        )
+        responses = np.insert(responses, gaps + 1, at(more), axis=0)
+        frequencies = np.insert(frequencies, gaps + 1, more)
     return frequencies, responses, moved
 
 
-def _drawn(
-    frequencies: np.ndarray,
-    responses: np.ndarray,
-    moved: np.ndarray,
-    ys: list[int],
-    us: list[int],
-    outputs: Sequence[str],
-    inputs: Sequence[str],
-) -> Any:
+def _drawn(frequencies: np.ndarray, responses: np.ndarray, moved: np.ndarray, chosen: Any, names: Any) -> Any:
+    """The figure with the chosen outputs and inputs, of some names."""
     import matplotlib.pyplot as plt
 
+    (ys, us), (outputs, inputs) = chosen, names
     size = max(WIDTH * len(us), 1.3 * WIDTH), HEIGHT * len(ys)
     figure = plt.figure(figsize=size, layout="constrained")
     places = figure.add_gridspec(len(ys), len(us))

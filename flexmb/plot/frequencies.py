@@ -43,22 +43,21 @@ def frequencies(
     if not isinstance(found, Path | SparsePath | Motion):
         raise TypeError(f"Argument `found` must be a Path or a Motion, but is a {type(found).__name__}.")
     states = states_of(found)
-    along, label = states.along, states.label
-    of_motion = isinstance(found, Motion)
     if isinstance(found, SparsePath):
-        by_state = [frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))]
-        hertz = np.asarray(by_state)
+        hertz = np.asarray([frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))])
+    elif isinstance(found, Motion):
+        hertz = frequencies_along(found.linearizations().matrices)
     else:
-        hertz = frequencies_along(found.linearizations().matrices) if of_motion else np.asarray(found.frequencies)
-    if of is not None:
-        along = states.x[:, index_of(found.labels, of)]
+        hertz = np.asarray(found.frequencies)
+    index = None if of is None else index_of(found.labels, of)
+    along = states.along if index is None else states.x[:, index]
     ax = plain_axes(ax)
     drawn = hertz.T[:count]
     for i, row in enumerate(drawn):
         ax.plot(along, np.where(np.isfinite(row), row, np.nan), label=f"f{i + 1}")
-    ax.set_xlabel(label)
-    if of is not None:
-        entry = found.labels.x[index_of(found.labels, of)]
+    ax.set_xlabel(states.label)
+    if index is not None:
+        entry = found.labels.x[index]
         label_axis(ax.xaxis, str(entry), unit_of(entry), largest_finite(along))
     ax.set_ylabel("frequency [Hz]")
     ax.grid(visible=True, alpha=0.3)

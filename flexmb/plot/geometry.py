@@ -47,10 +47,7 @@ def point_extent(points: Float[np.ndarray, "n d"]) -> float:
 
 
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
-    """Points that each rotation belongs to: in an element's signature it follows the point whose rotation it is.
-
-    Returns the names of points by name of the rotation.
-    """
+    """Names of the points of each rotation: in an element's signature it follows the point whose rotation it is."""
     points_by_name: dict[str, list[str]] = {}
     for block in model.topology.blocks:
         kinds = list(block.element.nodes.values())
@@ -66,28 +63,26 @@ def places_of_rotations(model: Model) -> dict[str, list[str]]:
     return points_by_name
 
 
-def lines(
-    model: Model, x: Float[np.ndarray, "n_x"], places: Float[np.ndarray, "places"] = PLACES, straight: bool = False
-) -> list[Line]:
-    """Every element with deformations as a line, at given coordinates.
+def lines(model: Model, x: Float[np.ndarray, "n_x"], straight: bool = False) -> list[Line]:
+    """Every element with deformations as a line, at given coordinates, in the order of the model.
 
     An element's ``shape`` companion says where its points are. Without one, two points and two rotations are joined by
-    the cubic along the axis that the undeformed element had, and other points by straight lines. Returns the lines in
-    the order of the model.
+    the cubic along the axis that the undeformed element had, and other points by straight lines.
     """
     by_element: dict[str, Line] = {}
-    companions = _companions(model)
+    companions: dict[str, set[str]] = {}
+    for block in model.topology.blocks:
+        for name in element_names(model, block):
+            companions.setdefault(name, set()).update(block.companions)
     roles, paired = model.roles()[1], places_of_rotations(model)
     reference = np.asarray(model.parameters.reference)
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         names = element_names(model, block)
         if "deformation" not in block.companions or not names:
             continue
-        curves = curves_of(block, properties, reference, x, places)
+        curves = curves_of(block, properties, reference, x, PLACES)
         for i, (name, deformations) in enumerate(zip(names, np.asarray(block.e).tolist(), strict=True)):
-            element_companions = companions[name]
-            fixed = all(roles[k] is Role.FIXED for k in deformations)
-            kind = _kind(block, element_companions, fixed)
+            kind = _kind(block, companions[name], all(roles[k] is Role.FIXED for k in deformations))
             points = _meeting(model, block, i, x, paired) if kind == "hinge" else curves[i]
             if kind == "spring" and not straight:
                 points = zigzag(points[0], points[-1])
@@ -126,9 +121,7 @@ def masses(model: Model) -> list[np.ndarray]:
 def zigzag(p: Float[np.ndarray, "d"], q: Float[np.ndarray, "d"]) -> Float[np.ndarray, "n d"]:
     """A spring from p to q. Returns its corners, (n, d) [m]."""
     along = q - p
-    across = np.zeros(len(p))
-    k = np.argmin(np.abs(along))
-    across[k] = 1.0
+    across = np.eye(len(p))[np.argmin(np.abs(along))]
     across = across - (across @ along) * along / max(along @ along, 1e-300)
     across *= 0.08 * np.linalg.norm(along) / np.linalg.norm(across)
     places = places_of_zigzag()
@@ -148,15 +141,6 @@ def element_names(model: Model, block: Block) -> list[str]:
         return []
     entries = [model.labels.e[k] for k in np.asarray(block.e)[:, 0].tolist()]
     return [] if entries[0].kind == "norm" else [entry.of for entry in entries]
-
-
-def _companions(model: Model) -> dict[str, set[str]]:
-    """Companions of each element, from all of its blocks."""
-    by_element: dict[str, set[str]] = {}
-    for block in model.topology.blocks:
-        for name in element_names(model, block):
-            by_element.setdefault(name, set()).update(block.companions)
-    return by_element
 
 
 def _kind(block: Block, companions: set[str], fixed: bool) -> str:

@@ -37,33 +37,23 @@ class Mark(NamedTuple):
 
 
 def supports(model: Model) -> dict[str, list[str]]:
-    """Nodes where something is fixed or prescribed, each under every one of :data:`SUPPORTS` that it is.
-
-    Returns the names of nodes by kind of support: "clamped" where the rotation is fixed too, else "supported";
-    "prescribed".
-    """
-    roles = model.roles()[0]
+    """Nodes by kind of support; "clamped" if the rotation is fixed too."""
+    roles, places = model.roles()[0], _places(model)
     position_roles: dict[str, set[Role]] = {name: {roles[i] for i in index} for name, index in nodes_of(model).items()}
     turns = {name: {roles[i] for i in index} for name, index in nodes_of(model, "rotation").items()}
-    paired = places_of_rotations(model)
-    clamped = {
-        point for name, entries in turns.items() if entries == {Role.FIXED} for point in paired.get(name, [])[:1]
-    }
+    clamped = {places.get(name) for name, entries in turns.items() if entries == {Role.FIXED}}
     fixed = {name for name, entries in position_roles.items() if Role.FIXED in entries} | clamped
-    moved = {name for name, entries in position_roles.items() if Role.PRESCRIBED in entries}
-    moved |= {
-        point for name, entries in turns.items() if Role.PRESCRIBED in entries for point in paired.get(name, [])[:1]
-    }
+    moved = {places.get(name) for name, entries in (position_roles | turns).items() if Role.PRESCRIBED in entries}
     chosen = zip(SUPPORTS, (fixed & clamped, fixed - clamped, moved), strict=True)
     return {kind: [name for name in position_roles if name in points] for kind, points in chosen}
 
 
 def dofs(model: Model) -> list[Mark]:
     """Degrees of freedom that are coordinates of nodes, with a unit vector for each position."""
-    places, dof_marks = _Places(model), []
+    places, dof_marks = _places(model), []
     for index in np.asarray(model.topology.x.dof).tolist():
         entry = model.labels.x[index]
-        node = places.of(entry.of)
+        node = places.get(entry.of)
         if node is None or entry.kind == "internal":
             continue
         vector = np.eye(model.labels.dimension)[entry.component - 1] if entry.kind == "position" else None
@@ -73,21 +63,19 @@ def dofs(model: Model) -> list[Mark]:
 
 def loads(model: Model, x: Float[np.ndarray, "n_x"]) -> list[Mark]:
     """Nodal forces and moments of all loads except gravity, incremental ones included."""
-    forces, places = _forces(model, x), _Places(model)
+    forces, places = _forces(model, x), _places(model)
     load_marks = [
         Mark("force", name, name, forces[i], sized(float(np.linalg.norm(forces[i])), "N"))
         for name, i in nodes_of(model).items()
         if np.any(forces[i])
     ]
     for name, moment in _moments(model, x, forces).items():
-        node = places.of(name)
+        node = places.get(name)
         if node is None:
             continue
         size = sized(float(np.linalg.norm(moment)), "N m")
-        if len(moment) == 1:
-            load_marks.append(Mark("moment", name, node, None, f"{'↺' if moment[0] > 0 else '↻'} {size}"))
-        else:
-            load_marks.append(Mark("moment", name, node, moment, size))
+        turn, vector = (f"{'↺' if moment[0] > 0 else '↻'} ", None) if len(moment) == 1 else ("", moment)
+        load_marks.append(Mark("moment", name, node, vector, turn + size))
     return load_marks
 
 
@@ -97,14 +85,10 @@ def sized(size: float, unit: str) -> str:
     return f"{size * factor:.4g} {prefixed}"
 
 
-class _Places:
-    """Nodes at which nodes and rotations are drawn."""
-
-    def __init__(self, model: Model):
-        self.points, self.paired = nodes_of(model), places_of_rotations(model)
-
-    def of(self, name: str) -> str | None:
-        return name if name in self.points else next(iter(self.paired.get(name, [])), None)
+def _places(model: Model) -> dict[str, str]:
+    """Node at which each node or rotation is drawn."""
+    rotations = {name: points[0] for name, points in places_of_rotations(model).items()}
+    return rotations | {name: name for name in nodes_of(model)}
 
 
 def _forces(model: Model, x: np.ndarray) -> np.ndarray:

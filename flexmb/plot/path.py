@@ -62,7 +62,7 @@ def path(
     ca, cb = (values * factor for values, (factor, _) in zip(critical, units, strict=True))
     if not plain and drawn[0].of == "coordinate" and drawn[1].of in FORCES:
         _draw_slope(ax, a, b)
-    at, height, segment_stable = _with_critical((a, b), (ca, cb), np.asarray(found.stable), found)
+    at, height, segment_stable = _with_critical((a, b), (ca, cb), found)
     for label, is_stable, style in (("stable", True, "-"), ("unstable", False, "--")):
         segments = _runs(at, height, segment_stable == is_stable)
         if len(segments):
@@ -109,17 +109,12 @@ def with_unit(labels: Labels, index: int) -> str:
     return f"{labels.x[index]} [{unit_of(labels.x[index])}]"
 
 
-def _with_critical(
-    steps: tuple[np.ndarray, np.ndarray],
-    critical: tuple[np.ndarray, np.ndarray],
-    stable: np.ndarray,
-    path_result: Path | SparsePath,
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _with_critical(steps: Any, critical: Any, path_result: Path | SparsePath) -> tuple[np.ndarray, ...]:
     """Points of the path with the critical ones among them, and whether each piece between two points is stable.
 
     A piece is drawn as unstable if one of its ends is, and no critical point lies between.
     """
-    (at, height), x = steps, np.asarray(path_result.x)
+    (at, height), x, stable = steps, np.asarray(path_result.x), np.asarray(path_result.stable)
     remaining = list(zip(path_result.critical_points, *critical, strict=True))
     points, segment_stable = [(at[0], height[0])], []
     for i in range(1, len(at)):

@@ -173,10 +173,7 @@ STRIDE = 6
 
 
 def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np.ndarray, "quads 4 d"]]:
-    """What is seen of the sections: in space their widths, in the plane their thicknesses or diameters.
-
-    Returns the quadrilaterals of each element whose section has an outline, by its name, (quads, 4, d) [m].
-    """
+    """Quadrilaterals of each element with an outline [m]: widths in space, thicknesses or diameters in the plane."""
     shapes = shapes_of(model)
     across = across_of(model, x, drawn, shapes)
     quads: dict[str, np.ndarray] = {}

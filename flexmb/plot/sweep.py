@@ -62,7 +62,11 @@ def sweep(
         x = names[0] if x is None else x
         y = next((name for name in names if name != x), None) if y is None else y
     if x is not None or y is not None:
-        return _against(sweep_result, front, x, y, answer, over, plain_axes(ax))
+        if x is None or y is None:
+            raise ValueError("Give both `x` and `y`, the names of the quantities of both axes.")
+        if answer is not None or over is not None:
+            raise ValueError("Give either `x` and `y`, or `answer` and `over`.")
+        return _against(sweep_result, front, x, y, plain_axes(ax))
     if answer is None:
         names = [name for name, values in sweep_result.answers.items() if values.ndim == 1]
         if not names:
@@ -95,7 +99,8 @@ def sweep(
     places = [np.asarray(sweep_result.designs[name])[mask] for name in dimensions]
     z = z[mask]
     failed = ~np.isfinite(z)
-    label = _label(sweep_result, answer)
+    unit = sweep_result.unit_of(answer)
+    label = f"{answer} [{unit}]" if unit else answer
     if len(dimensions) == 1:
         _curve(ax, sweep_result, places[0], z, label)
     else:
@@ -110,20 +115,8 @@ def sweep(
     return ax
 
 
-def _against(
-    sweep_result: Sweep,
-    front: Front | None,
-    x: str | None,
-    y: str | None,
-    answer: str | None,
-    over: Sequence[str] | str | None,
-    ax: Any,
-) -> Any:
+def _against(sweep_result: Sweep, front: Front | None, x: str, y: str, ax: Any) -> Any:
     """One number of each design over another; designs of the front are marked and joined."""
-    if x is None or y is None:
-        raise ValueError("Give both `x` and `y`, the names of the quantities of both axes.")
-    if answer is not None or over is not None:
-        raise ValueError("Give either `x` and `y`, or `answer` and `over`.")
     horizontal, vertical = sweep_result.column(x), sweep_result.column(y)
     failed = ~(np.isfinite(horizontal) & np.isfinite(vertical))
     _points(ax, horizontal[~failed], vertical[~failed], "designs")
@@ -150,7 +143,7 @@ def _points(ax: Any, x: np.ndarray, y: np.ndarray, label: str) -> None:
 
     # A single design needs a marker to be seen.
     colours = ListedColormap(mpl.colormaps["Blues"](np.linspace(0.25, 1, 256)))
-    drawn = ax.hexbin(x, y, gridsize=_hexagons(x), bins="log", mincnt=1, cmap=colours, linewidths=0.2)
+    drawn = ax.hexbin(x, y, bins="log", cmap=colours, **_hexagons(x))
     ax.figure.colorbar(drawn, ax=ax, label="number of designs")
 
 
@@ -182,16 +175,7 @@ def _map(
             lines = ax.contour(columns, rows, field, colors="white", linewidths=0.8)
             ax.clabel(lines, fontsize=7)
     elif len(z) > MANY:
-        finite = ~failed
-        drawn = ax.hexbin(
-            x[finite],
-            y[finite],
-            C=z[finite],
-            gridsize=_hexagons(z),
-            mincnt=1,
-            reduce_C_function=np.mean,
-            linewidths=0.2,
-        )
+        drawn = ax.hexbin(x[~failed], y[~failed], C=z[~failed], reduce_C_function=np.mean, **_hexagons(z))
         label = f"{label}, mean"
     else:
         drawn = ax.scatter(x[~failed], y[~failed], c=z[~failed], s=12, cmap="viridis")
@@ -205,9 +189,9 @@ def _failed(ax: Any, x: np.ndarray, y: np.ndarray, count: int) -> None:
     ax.plot(x, y, color=GREY, linestyle="none", label="failed", **style)
 
 
-def _hexagons(values: np.ndarray) -> int:
-    """Number of hexagons in a row for a number of designs."""
-    return int(np.clip((len(values) / EACH) ** 0.5, 10, HEXAGONS))
+def _hexagons(values: np.ndarray) -> dict[str, Any]:
+    """Style of hexagons for a number of designs."""
+    return {"gridsize": int(np.clip((len(values) / EACH) ** 0.5, 10, HEXAGONS)), "mincnt": 1, "linewidths": 0.2}
 
 
 def _title(ax: Any, titles: list[str], failed: np.ndarray) -> None:
@@ -229,11 +213,6 @@ def _dimensions_to_draw(sweep_result: Sweep, over: Sequence[str] | str | None) -
     if len(dimensions) not in (1, 2):
         raise ValueError(f"Draw over one dimension or two, not {len(dimensions)}: name them with `over`.")
     return dimensions
-
-
-def _label(sweep_result: Sweep, name: str) -> str:
-    unit = sweep_result.unit_of(name)
-    return f"{name} [{unit}]" if unit else name
 
 
 def _name(axis: Any, sweep_result: Sweep, name: str) -> None:

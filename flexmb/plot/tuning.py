@@ -49,10 +49,10 @@ def tuning(found: Tuned) -> Any:
         ax.semilogy(count[positive], found.history["violation"][positive], marker=".", linestyle="none")
         ax.set_ylabel("violation [-]")
     for names, label in ((list(found.dimensions), "dimension"), (others, "answer")):
-        ax = next(waiting) if names else None
-        for name in names:
-            _relative(ax, count, name, np.asarray(found.history[name], float))
-        if ax is not None:
+        if names:
+            ax = next(waiting)
+            for name in names:
+                _relative(ax, count, name, np.asarray(found.history[name], float))
             ax.set_ylabel(f"{label} over its start [-]")
             ax.legend(fontsize=8, ncols=1 + len(ax.get_legend_handles_labels()[0]) // (MOST_LINES + 1))
     for ax in axes[:panels]:
