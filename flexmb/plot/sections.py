@@ -32,30 +32,42 @@ class Shape(NamedTuple):
     round: bool
 
 
-def shapes_of(model: Model) -> dict[str, Shape]:
-    """Outlines of the elements whose section has one. Returns, by name of the element."""
-    shapes: dict[str, Shape] = {}
+def unstacked(section: Any) -> list[Section]:
+    """Section of each element of a block, from its sections as they are stacked by kind."""
+    stacks = jax.tree.map(np.asarray, section if isinstance(section, tuple) else (section,))
+    counts = [len(jax.tree.leaves(stack)[0]) for stack in stacks]
+    return [
+        jax.tree.map(lambda leaf, i=i: leaf[i] if leaf.ndim else leaf, stack)
+        for stack, count in zip(stacks, counts, strict=True)
+        for i in range(count)
+    ]
+
+
+def sections_of(model: Model) -> dict[str, Section]:
+    """Section of each element with one, by the element's name."""
+    sections: dict[str, Section] = {}
     for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
         names = element_names(model, block)
-        section = properties.get("section")
-        if not names or section is None:
-            continue
-        stacks = section if isinstance(section, tuple) else (section,)
-        outlines = [outline for stack in stacks for outline in _outlines(stack)]
-        shapes.update({name: shape for name, shape in zip(names, outlines, strict=True) if shape is not None})
-    return shapes
+        if names and properties.get("section") is not None:
+            sections.update(zip(names, unstacked(properties["section"]), strict=True))
+    return sections
 
 
-def _outlines(stack: Section) -> list[Shape | None]:
-    """Outlines of stacked sections of one kind."""
-    if isinstance(stack, Rigidity) and stack.outline is not None:
-        return _outlines(stack.outline)
-    if isinstance(stack, Rectangle | HollowRectangle):
-        sides = zip(np.asarray(stack.width).tolist(), np.asarray(stack.thickness).tolist(), strict=True)
-        return [Shape(width, thickness, False) for width, thickness in sides]
-    if isinstance(stack, Circle | Tube):
-        return [Shape(diameter, diameter, True) for diameter in np.asarray(stack.diameter).tolist()]
-    return [None] * len(jax.tree.leaves(stack)[0])
+def shapes_of(model: Model) -> dict[str, Shape]:
+    """Outlines of the elements whose section has one, by the element's name."""
+    shapes = {name: shape_of(section) for name, section in sections_of(model).items()}
+    return {name: shape for name, shape in shapes.items() if shape is not None}
+
+
+def shape_of(section: Any) -> Shape | None:
+    """Outline of a section; None if it has no shape."""
+    if isinstance(section, Rigidity):
+        return shape_of(section.outline)
+    if isinstance(section, Rectangle | HollowRectangle):
+        return Shape(float(section.width), float(section.thickness), False)
+    if isinstance(section, Circle | Tube):
+        return Shape(float(section.diameter), float(section.diameter), True)
+    return None
 
 
 def across_of(
@@ -115,17 +127,17 @@ def _carried(
     points: Float[np.ndarray, "n places 3"], axes: Float[np.ndarray, "2 n 3"], sides: Float[np.ndarray, "2 n 3"]
 ) -> Float[np.ndarray, "n places 3"]:
     """Sides of the sections along lines, from the sides at the ends, (ends, n, 3)."""
-    tangents = _unit(np.gradient(points, axis=1, edge_order=2))
+    tangents = unit_vectors(np.gradient(points, axis=1, edge_order=2))
     # The ends of an arc are tilted, in its plane, against the axis that turns with them.
     first, last = (_bent(axes[i], tangents[:, at], sides[i]) for i, at in ((0, 0), (1, -1)))
     carried = (_along(tangents) @ first[:, None, :, None])[..., 0]
-    sides_along = _unit(carried - np.einsum("npi,npi->np", carried, tangents)[..., None] * tangents)
+    sides_along = unit_vectors(carried - np.einsum("npi,npi->np", carried, tangents)[..., None] * tangents)
     end = tangents[:, -1]
     sine = np.einsum("ni,ni->n", _cross(sides_along[:, -1], last), end)
     twist = np.arctan2(sine, np.einsum("ni,ni->n", sides_along[:, -1], last))
     angle = twist[:, None] * np.linspace(0.0, 1.0, points.shape[1])
     others = _cross(tangents, sides_along)
-    return _unit(np.cos(angle)[..., None] * sides_along + np.sin(angle)[..., None] * others)
+    return unit_vectors(np.cos(angle)[..., None] * sides_along + np.sin(angle)[..., None] * others)
 
 
 def _along(tangents: Float[np.ndarray, "n places 3"]) -> Float[np.ndarray, "n places 3 3"]:
@@ -155,10 +167,11 @@ def _bent(
     axis, cosine = _cross(start, end), np.einsum("ni,ni->n", start, end)[:, None]
     along = np.einsum("ni,ni->n", axis, vectors)[:, None] * axis
     turned = cosine * vectors + _cross(axis, vectors) + along / np.maximum(1 + cosine, OPPOSITE_TANGENTS)
-    return _unit(turned - np.einsum("ni,ni->n", turned, end)[:, None] * end)
+    return unit_vectors(turned - np.einsum("ni,ni->n", turned, end)[:, None] * end)
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
+def unit_vectors(vectors: np.ndarray) -> np.ndarray:
+    """Vectors of length one; zero stays zero."""
     size = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return vectors / np.where(size > 0, size, 1.0)
 
@@ -185,7 +198,7 @@ def strips(model: Model, x: np.ndarray, drawn: list[Line]) -> dict[str, Float[np
         if model.labels.dimension == 3:
             side = shape.width / 2 * across[line.element][::STRIDE]
         else:
-            tangents = _unit(np.gradient(line.points, axis=0))[::STRIDE]
+            tangents = unit_vectors(np.gradient(line.points, axis=0))[::STRIDE]
             side = shape.thickness / 2 * np.stack([-tangents[:, 1], tangents[:, 0]], axis=1)
         left, right = points + side, points - side
         quads[line.element] = np.stack([left[:-1], left[1:], right[1:], right[:-1]], axis=1)

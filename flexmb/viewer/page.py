@@ -78,7 +78,14 @@ class View:
 
     def html(self) -> str:
         """The page: one HTML document that fetches nothing."""
-        return document(self)
+        folder = files("flexmb.viewer")
+        page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
+        # "</" and "<!--" would end or change a script element. JSON may escape "<".
+        data = json.dumps(page_data(self), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+        # Data may contain any text: each piece is inserted once, and never searched.
+        before, rest = page.replace("{{title}}", html.escape(self.title)).split("{{data}}")
+        between, after = rest.split("{{script}}")
+        return "".join([before, data, between, script, after])
 
     def save(self, path: str | os.PathLike) -> None:
         """Write the page.
@@ -96,28 +103,11 @@ class View:
 
     def _repr_html_(self) -> str:
         """The page in a frame of its own, for notebooks."""
-        return framed(self)
-
-
-def document(view: View) -> str:
-    """The page of a view."""
-    folder = files("flexmb.viewer")
-    page, script = (folder.joinpath(name).read_text(encoding="utf-8") for name in ("page.html", "viewer.js"))
-    # "</" and "<!--" would end or change a script element. JSON may escape "<".
-    data = json.dumps(page_data(view), separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    # Data may contain any text: each piece is inserted once, and never searched.
-    before, rest = page.replace("{{title}}", html.escape(view.title)).split("{{data}}")
-    between, after = rest.split("{{script}}")
-    return "".join([before, data, between, script, after])
-
-
-def framed(view: View) -> str:
-    """The page in a frame, for notebooks."""
-    content = html.escape(document(view), quote=True)
-    return (
-        f'<iframe srcdoc="{content}" title="{html.escape(view.title)}"'
-        f' style="width: 100%; height: {FRAME_HEIGHT}px; border: 0"></iframe>'
-    )
+        content = html.escape(self.html(), quote=True)
+        return (
+            f'<iframe srcdoc="{content}" title="{html.escape(self.title)}"'
+            f' style="width: 100%; height: {FRAME_HEIGHT}px; border: 0"></iframe>'
+        )
 
 
 def page_data(view: View) -> dict[str, Any]:
@@ -125,6 +115,7 @@ def page_data(view: View) -> dict[str, Any]:
     lines, nodes = view.lines, view.nodes
     index = {name: i for i, name in enumerate(nodes.names)}
     ribbons = bool(np.any(lines.across))
+    vectors = [None if mark.vector is None else [*mark.vector.tolist(), 0.0][:3] for mark in view.marks]
     return {
         "title": view.title,
         "kind": view.kind,
@@ -138,18 +129,19 @@ def page_data(view: View) -> dict[str, Any]:
         "across": _floats(lines.across) if ribbons else None,
         "acrossStates": _floats(lines.across_states) if ribbons else None,
         "nodes": {"names": nodes.names, "base": _floats(nodes.base), "states": _floats(nodes.states)},
-        "colours": None if view.colours is None else _colours(view),
-        "marks": [_mark(mark, index) for mark in view.marks],
+        "colours": None if view.colours is None else _colours(view.colours),
+        "marks": [
+            {"kind": mark.kind, "node": index[mark.node], "vector": vector, "text": mark.text}
+            for mark, vector in zip(view.marks, vectors, strict=True)
+        ],
         "supports": {kind: [index[name] for name in names] for kind, names in view.supports.items()},
         "masses": [index[name] for name in view.masses],
     }
 
 
-def _colours(view: View) -> dict[str, Any]:
+def _colours(colours: Colours) -> dict[str, Any]:
     from matplotlib import colormaps
 
-    colours = view.colours
-    assert colours is not None
     table = colormaps[colours.scale](np.linspace(0, 1, LEVELS))[:, :3]
     return {
         "label": colours.label,
@@ -158,11 +150,6 @@ def _colours(view: View) -> dict[str, Any]:
         "table": np.round(table, 4).tolist(),
         "values": _floats(colours.values),
     }
-
-
-def _mark(mark: Any, index: dict[str, int]) -> dict[str, Any]:
-    vector = None if mark.vector is None else [*mark.vector.tolist(), 0.0][:3]
-    return {"kind": mark.kind, "node": index[mark.node], "vector": vector, "text": mark.text}
 
 
 def _floats(array: Any) -> str:

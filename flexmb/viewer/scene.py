@@ -1,6 +1,5 @@
 """Arrays for the viewer: each element as a line of points, in its base state and in the states it moves through."""
 
-import dataclasses
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -24,8 +23,7 @@ MOST_STATES = 500
 MOST_NUMBERS = 3_000_000
 
 
-@dataclasses.dataclass(frozen=True)
-class Drawn:
+class Drawn(NamedTuple):
     """One element: kind as :class:`flexmb.plot.geometry.Line` has it, its first point and number of points."""
 
     name: str
@@ -78,15 +76,12 @@ def lines_at(model: Model, base: np.ndarray, states: Sequence[np.ndarray], value
     Values colour the elements, (sets, elements drawn, places), NaN where there is no colour.
     """
     shapes = shapes_of(model)
-    still, seen = lines(model, base), []
+    seen = []
     for x in [base, *(states[i] for i in thinned(len(states), LOOKED_AT))]:
         state_lines = lines(model, x)
         seen.append(_with_edges(state_lines, across_of(model, x, state_lines, shapes), shapes))
     keep = _kept_indices(seen, values)
-    drawn, across = _drawn(model, base, shapes, keep)
-    moved = [_drawn(model, x, shapes, keep) for x in states]
-    stacked = [_stacked([pair[i] for pair in moved], drawn.shape) for i in (0, 1)]
-    return Lines(_parts(still, keep, shapes), _places(still, keep), drawn, stacked[0], across, stacked[1])
+    return _lines(model, base, shapes, keep, [_drawn(model, x, shapes, keep) for x in states])
 
 
 def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], values: np.ndarray | None) -> Lines:
@@ -103,9 +98,23 @@ def lines_of_modes(model: Model, base: np.ndarray, moves: Sequence[np.ndarray], 
         sides = {name: vectors + AMPLITUDE * turn[name] for name, vectors in across.items()}
         seen.append(_with_edges(bent, sides, shapes))
     keep = _kept_indices(seen, values)
+    return _lines(model, base, shapes, keep, [(_chosen(a, keep), _chosen(b, keep)) for a, b in displacements])
+
+
+def _lines(
+    model: Model, base: np.ndarray, shapes: dict[str, Shape], keep: list[np.ndarray], states: list[Any]
+) -> Lines:
+    """Lines from the kept points and directions in all states, one pair of arrays each."""
+    still = lines(model, base)
+    starts = np.cumsum([0, *map(len, keep)]).tolist()
+    parts = tuple(
+        Drawn(line.element, line.kind, start, len(kept), shapes.get(line.element))
+        for line, start, kept in zip(still, starts, keep, strict=False)
+    )
+    places = [kept / max(len(line.points) - 1, 1) for line, kept in zip(still, keep, strict=True)]
     points, across = _drawn(model, base, shapes, keep)
-    stacked = [_stacked([_chosen(pair[i], keep) for pair in displacements], points.shape) for i in (0, 1)]
-    return Lines(_parts(still, keep, shapes), _places(still, keep), points, stacked[0], across, stacked[1])
+    moved, turned = (_stacked([pair[i] for pair in states], points.shape) for i in (0, 1))
+    return Lines(parts, np.concatenate([*places, np.zeros(0)]), points, moved, across, turned)
 
 
 def drawn_values(found: Lines, values: np.ndarray) -> Float[np.ndarray, "sets points"]:
@@ -158,20 +167,6 @@ def _drawn(
     across = across_of(model, x, drawn, shapes)
     sides = [across.get(line.element, np.zeros((len(line.points), 3))) for line in drawn]
     return _chosen([line.points for line in drawn], keep), _chosen(sides, keep)
-
-
-def _parts(drawn: list[Line], keep: list[np.ndarray], shapes: dict[str, Shape]) -> tuple[Drawn, ...]:
-    counts = [len(k) for k in keep]
-    starts = np.cumsum([0, *counts])[:-1].tolist()
-    return tuple(
-        Drawn(line.element, line.kind, start, count, shapes.get(line.element))
-        for line, start, count in zip(drawn, starts, counts, strict=True)
-    )
-
-
-def _places(drawn: list[Line], keep: list[np.ndarray]) -> np.ndarray:
-    along = [k / max(len(line.points) - 1, 1) for line, k in zip(drawn, keep, strict=True)]
-    return np.concatenate(along) if along else np.zeros(0)
 
 
 def _chosen(curves: list[np.ndarray], keep: list[np.ndarray]) -> np.ndarray:

@@ -104,12 +104,8 @@ def _view(
     """The page; ``colours`` have values at all places of all lines, loads are drawn in the state ``loaded``."""
     if colours is not None:
         colours = colours._replace(values=drawn_values(drawn, colours.values))
-    settings: dict[str, Any] = {
-        "choices": (),
-        "along": np.zeros(0),
-        "amplitude": 1.0,
-        "largest_amplitude": LARGEST_FACTOR,
-    }
+    settings: dict[str, Any] = {"choices": (), "along": np.zeros(0)}
+    settings |= {"amplitude": 1.0, "largest_amplitude": LARGEST_FACTOR}
     labels = {int(index[0]): name for name, index in nodes_of(model).items()}
     return View(
         title=f"{_TITLES[kind]}: {counted(len(drawn.parts), 'element')}, {counted(len(nodes.names), 'node')}",

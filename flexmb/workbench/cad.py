@@ -6,33 +6,26 @@ import itertools
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from ..display import listed
 from ..elements.section import Rigidity
-from ..elements.sections import Circle, HollowRectangle, Rectangle, Section, Tube
+from ..elements.sections import HollowRectangle, Tube
 from ..errors import ModelError, printable
 from ..math.rotation import initial_frame
 from ..model.model import Model
 from ..numerical_limits import STRAIGHT_LINE
-from ..plot.geometry import PLACES, Line, element_names, lines, nodes_of, point_extent
-from ..plot.sections import across_of, shapes_of
+from ..plot.geometry import PLACES, Line, lines, nodes_of, point_extent
+from ..plot.sections import across_of, sections_of, shape_of, shapes_of, unit_vectors
+from ..viewer.scene import in_space
 
 MILLIMETRES = 1e3
 # A smooth surface passes every so many sections of a bent line.
 STRIDE = 6
 # Diameter of the bar for a rigid element, as a share of the mechanism.
 BAR = 0.01
-
-
-class Exported(NamedTuple):
-    """Content of a file, and notes on what it lacks or changes."""
-
-    content: bytes
-    notes: list[str]
 
 
 class _Outline(NamedTuple):
@@ -54,8 +47,8 @@ class _Part(NamedTuple):
     smooth: bool
 
 
-def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "mechanism") -> Exported:
-    """The mechanism as a STEP file, at nodal coordinates x: solids of sections, and round bars for rigid elements."""
+def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "mechanism") -> tuple[bytes, list[str]]:
+    """A STEP file and notes: the mechanism at x as solids of sections, and round bars for rigid elements."""
     cad = _library("build123d", "A STEP file")
     x = np.asarray(model.parameters.reference if x is None else x, float)
     drawn = lines(model, x, straight=True)
@@ -80,11 +73,11 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
         notes.append(f"Elements without a shape are left out: {listed(without_shape)}.")
     compound, buffer = cad.Compound(label=printable(title), children=solids), io.BytesIO()
     cad.export_step(compound, buffer)
-    return Exported(buffer.getvalue(), notes)
+    return buffer.getvalue(), notes
 
 
-def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
-    """The mechanism as a DXF drawing with layers: outlines in the plane, edges in space, centrelines, and nodes."""
+def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> tuple[bytes, list[str]]:
+    """A DXF drawing and notes: layers with outlines in the plane, edges in space, centrelines, and nodes."""
     ezdxf = _library("ezdxf", "A DXF file")
     x = np.asarray(model.parameters.reference if x is None else x, float)
     drawing = ezdxf.new("R2010", setup=True)
@@ -107,15 +100,15 @@ def dxf(model: Model, x: Float[np.ndarray, "n_x"] | None = None) -> Exported:
         draw(np.concatenate([part.points + half * along, (part.points - half * along)[::-1]]), "outlines", closed=True)
     for line in drawn:
         if len(line.points) > 1:
-            draw(_in_space(_few(line.points, extent)), LAYER_OF[line.kind])
+            draw(in_space(_few(line.points, extent)), LAYER_OF[line.kind])
     for name, index in nodes_of(model).items():
-        at = MILLIMETRES * _in_space(x[index][None])[0]
+        at = MILLIMETRES * in_space(x[index])
         space.add_point(at.tolist(), dxfattribs={"layer": "nodes"})
         text = space.add_text(printable(name), height=MILLIMETRES * 0.015 * extent, dxfattribs={"layer": "names"})
         text.set_placement(at.tolist())
     stream = io.StringIO()
     drawing.write(stream)
-    return Exported(stream.getvalue().encode("utf-8"), ["Lengths are in millimetres."])
+    return stream.getvalue().encode("utf-8"), ["Lengths are in millimetres."]
 
 
 # Colour by its number in AutoCAD, and line type.
@@ -149,10 +142,6 @@ def _length(points: np.ndarray) -> float:
     return float(np.sum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
 
 
-def _in_space(points: np.ndarray) -> np.ndarray:
-    return np.concatenate([points, np.zeros((len(points), 3 - points.shape[1]))], axis=1)
-
-
 def _few(points: np.ndarray, extent: float) -> np.ndarray:
     """The ends of a straight line, or all points of another one."""
     s = np.linspace(0, 1, len(points))[:, None]
@@ -160,40 +149,23 @@ def _few(points: np.ndarray, extent: float) -> np.ndarray:
     return points[[0, -1]] if off <= STRAIGHT_LINE * extent else points
 
 
-def _sections(model: Model) -> dict[str, Section]:
-    """Section of each element with one, by the element's name."""
-    section_of: dict[str, Section] = {}
-    for block, properties in zip(model.topology.blocks, model.parameters.properties, strict=True):
-        names, section = element_names(model, block), properties.get("section")
-        if not names or section is None:
-            continue
-        stacks = section if isinstance(section, tuple) else (section,)
-        element_sections = [
-            jax.tree.map(lambda a, i=i: a[i], stack) for stack in stacks for i in range(len(jax.tree.leaves(stack)[0]))
-        ]
-        section_of.update(zip(names, element_sections, strict=True))
-    return section_of
-
-
-def _outline(section: Section) -> _Outline | None:
+def _outline(section: Any) -> _Outline | None:
     """Outline of a section; None if it has no shape."""
-    if isinstance(section, Rigidity):
-        return None if section.outline is None else _outline(section.outline)
-    if isinstance(section, Rectangle | HollowRectangle):
-        outer = float(section.width), float(section.thickness)
-        hollow = isinstance(section, HollowRectangle)
-        walls = (float(section.wall_y), float(section.wall_z)) if hollow else outer  # pyright: ignore
-        return _Outline(outer, (max(outer[0] - 2 * walls[0], 0.0), max(outer[1] - 2 * walls[1], 0.0)), False)
-    if isinstance(section, Circle | Tube):
-        d = float(section.diameter)
-        inner = d - 2 * float(section.wall) if isinstance(section, Tube) else 0.0
-        return _Outline((d, d), (inner, inner), True)
-    return None
+    shape = shape_of(section)
+    if shape is None:
+        return None
+    solid: Any = section.outline if isinstance(section, Rigidity) else section
+    inner = 0.0, 0.0
+    if isinstance(solid, HollowRectangle):
+        inner = max(shape.width - 2 * float(solid.wall_y), 0.0), max(shape.thickness - 2 * float(solid.wall_z), 0.0)
+    elif isinstance(solid, Tube):
+        inner = (shape.width - 2 * float(solid.wall),) * 2
+    return _Outline((shape.width, shape.thickness), inner, shape.round)
 
 
 def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
     """Elements with a known orientation whose sections have a shape."""
-    sections, extent = _sections(model), _extent(model)
+    sections, extent = sections_of(model), _extent(model)
     across = across_of(model, x, drawn, shapes_of(model))
     undeformed = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
     for line in drawn:
@@ -206,8 +178,8 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
         if len(known) < len(places):
             continue
         outlines = known if section.varies else known * len(PLACES)
-        points = _in_space(line.points)
-        tangents = _unit(np.gradient(points, axis=0, edge_order=2))
+        points = in_space(line.points)
+        tangents = unit_vectors(np.gradient(points, axis=0, edge_order=2))
         if model.labels.dimension == 2:
             width = np.tile([0.0, 0.0, 1.0], (len(points), 1))
         elif line.element in across:
@@ -223,17 +195,13 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
         yield _Part(line.element, *rows, not section.varies and len(chosen) > 2)
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
 def _untwisted(tangents: np.ndarray) -> np.ndarray:
     """Directions across a line that do not turn about it, (places, 3)."""
     start, end = np.zeros(3), tangents[0]
     y = np.asarray(initial_frame(jnp.asarray(start), jnp.asarray(end), None))[:, 1]
     directions = []
     for t in tangents:
-        y = _unit(y - (y @ t) * t)
+        y = unit_vectors(y - (y @ t) * t)
         directions.append(y)
     return np.array(directions)
 
@@ -261,7 +229,7 @@ def _solid(cad: Any, part: _Part) -> Any:
 
 def _bars(cad: Any, line: Line, diameter: float) -> Iterator[Any]:
     """Round bars along the segments of a line."""
-    points = MILLIMETRES * _in_space(_few(line.points, point_extent(line.points)))
+    points = MILLIMETRES * in_space(_few(line.points, point_extent(line.points)))
     for p, q in itertools.pairwise(points):
         plane = cad.Plane(tuple(p), z_dir=tuple(q - p))
         bar = cad.Solid.make_cylinder(MILLIMETRES * diameter / 2, float(np.linalg.norm(q - p)), plane)

@@ -113,8 +113,8 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
     from .cad import dxf, step
 
     x = np.asarray(equilibrium(model).x) if deformed else None
-    cad_file = step(model, x, name) if kind == "step" else dxf(model, x)
-    return {"name": f"{name}.{kind}", **_bytes(cad_file.content), "notes": [*notes, *cad_file.notes]}
+    content, more = step(model, x, name) if kind == "step" else dxf(model, x)
+    return {"name": f"{name}.{kind}", **_bytes(content), "notes": [*notes, *more]}
 
 
 def _page(built: Any) -> str:

@@ -25,6 +25,7 @@ from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, tilted_by, turned_by
 from ..model.model import Model, Signal
 from ..model.roles import HELD, Role
+from ..plot.sections import unstacked
 
 # Methods that put an element without a name on a node, by its type.
 HIDDEN = {"mass": "mass", "inertia": "inertia", "body": "body"}
@@ -115,12 +116,13 @@ class _Conversion:
         for block, stacked in zip(self.topology.blocks, self.parameters.properties, strict=True):
             if block.element.deformation is UNIT_NORM.deformation:
                 continue
+            sections = unstacked(stacked["section"]) if isinstance(stacked.get("section"), tuple) else None
             for i in range(block.x.shape[0]):
                 row, e = np.asarray(block.x[i]).tolist(), np.asarray(block.e[i]).tolist()
                 nodes = tuple(self.labels.x[row[first]].of for first in (0, *block.splits))
                 named = element_names.get((block.element.name, nodes), [])
                 name = self.labels.e[e[0]].of if e else named.pop(0) if named else ""
-                properties = _element_properties(stacked, i) | dict(block.options)
+                properties = _element_properties(stacked, sections, i) | dict(block.options)
                 if name in members:
                     known = members[name].properties
                     members[name].properties = known | {k: v for k, v in properties.items() if known.get(k) is None}
@@ -325,17 +327,14 @@ class _Conversion:
         return owner, component if signal.axis is None else TURNS[signal.axis], kind
 
 
-def _element_properties(stacked: dict[str, Any], i: int) -> dict[str, Any]:
-    """Properties of element i of a block."""
+def _element_properties(stacked: dict[str, Any], sections: list[Section] | None, i: int) -> dict[str, Any]:
+    """Properties of element i of a block, whose sections are of several kinds where they are listed."""
     properties = {}
     for name, value in stacked.items():
-        if name == "section" and isinstance(value, tuple):
-            sizes = [len(jax.tree.leaves(stack)[0]) for stack in value]
-            k, row = next((k, i - sum(sizes[:k])) for k in range(len(sizes)) if i < sum(sizes[: k + 1]))
-            properties[name] = jax.tree.map(lambda leaf, row=row: _plain(leaf[row]), value[k])
-            # Stands for an element without section beside others with one.
-            if isinstance(properties[name], Rigidity) and not any(jax.tree.leaves(properties[name])):
-                properties[name] = None
+        if name == "section" and sections is not None:
+            section = jax.tree.map(_plain, sections[i])
+            # Zeros stand for an element without section beside others with one.
+            properties[name] = section if not isinstance(section, Rigidity) or any(jax.tree.leaves(section)) else None
         else:
             properties[name] = jax.tree.map(lambda leaf: _plain(leaf[i]), value)
     return properties

@@ -20,7 +20,6 @@ from flexmb.answers.answers import Answer
 from flexmb.mechanisms import mechanism_path
 from flexmb.plot.geometry import PLACES, lines
 from flexmb.plot.modes import factor_of
-from flexmb.viewer.page import document
 from flexmb.viewer.view import page
 
 SOURCE = Path(fm.__file__).parent / "viewer" / "src"
@@ -77,7 +76,7 @@ def pressed():
 
 def data_of(view):
     """What the page reads."""
-    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', document(view), re.DOTALL).group(1))
+    return json.loads(re.search(r'<script id="data"[^>]*>(.*?)</script>', view.html(), re.DOTALL).group(1))
 
 
 def array(text, *shape):
@@ -306,7 +305,7 @@ def test_names_cannot_end_the_script():
     b.fix(name)
     view = fm.view(b.build())
     assert data_of(view)["nodes"]["names"][0] == name
-    assert document(view).count("</script>") == 2
+    assert view.html().count("</script>") == 2
 
 
 def test_notebook_gets_a_frame_with_the_whole_page(modes):

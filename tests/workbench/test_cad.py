@@ -19,13 +19,13 @@ CLOSE = 1e-6
 @pytest.fixture(scope="module")
 def step_reader():
     build123d = pytest.importorskip("build123d", reason="pip install 'flexmb[cad]' brings build123d")
-    return lambda exported, path: (path.write_bytes(exported.content), build123d.import_step(path))[1]
+    return lambda exported, path: (path.write_bytes(exported[0]), build123d.import_step(path))[1]
 
 
 @pytest.fixture(scope="module")
 def dxf_reader():
     ezdxf = pytest.importorskip("ezdxf", reason="pip install 'flexmb[cad]' brings ezdxf")
-    return lambda exported: ezdxf.read(io.StringIO(exported.content.decode()))
+    return lambda exported: ezdxf.read(io.StringIO(exported[0].decode()))
 
 
 def loaded(builder):
@@ -145,7 +145,7 @@ def test_a_drawing_in_space(dxf_reader):
 def test_what_is_left_out_is_told(step_reader):
     b = planar_guide()
     b.add(planar.spring_damper, "left0", "right1", law=lambda s, v: 10.0 * s, name="helper")
-    told = cad.step(b.build(release="auto")).notes
+    _, told = cad.step(b.build(release="auto"))
     assert any("helper" in note for note in told)
     bare = fm.Builder()
     bare.node("A", (0, 0))
