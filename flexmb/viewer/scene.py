@@ -1,7 +1,8 @@
 """Arrays for the viewer: each element as a line of points, in its base state and in the states it moves through."""
 
+import dataclasses
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
@@ -23,7 +24,8 @@ MOST_STATES = 500
 MOST_NUMBERS = 3_000_000
 
 
-class Drawn(NamedTuple):
+@dataclasses.dataclass(frozen=True)
+class Drawn:
     """One element: kind as :class:`flexmb.plot.geometry.Line` has it, its first point and number of points."""
 
     name: str

@@ -159,7 +159,7 @@ def _outline(section: Any) -> _Outline | None:
     if isinstance(solid, HollowRectangle):
         inner = max(shape.width - 2 * float(solid.wall_y), 0.0), max(shape.thickness - 2 * float(solid.wall_z), 0.0)
     elif isinstance(solid, Tube):
-        inner = (shape.width - 2 * float(solid.wall),) * 2
+        inner = shape.width - 2 * float(solid.wall), shape.width - 2 * float(solid.wall)
     return _Outline((shape.width, shape.thickness), inner, shape.round)
 
 
