@@ -30,15 +30,13 @@ def session_of_file(path: Path) -> Session:
     place = file_place(path)
     if place.is_taken():
         raise TakenError(path, place.address())
-    history, damage = _recovered(place)
-    if history is not None:
-        session = Session(history, place=place, notes=damage)
-        session.file.recovered = True
-        session.file.know()
-        return session
-    file_content = opened(path)
-    notes = [*damage, *file_content.notes]
-    session = Session(History(file_content.document, place.journal, file=str(path)), place=place, notes=notes)
+    history, notes = _recovered(place)
+    recovered = history is not None
+    if history is None:
+        document, more = opened(path)
+        history, notes = History(document, place.journal, file=str(path)), [*notes, *more]
+    session = Session(history, place=place, notes=notes)
+    session.file.recovered = recovered
     session.file.know()
     return session
 

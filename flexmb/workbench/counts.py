@@ -4,6 +4,10 @@ import dataclasses
 from collections.abc import Iterable
 from typing import Any
 
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
 from ..build.builder import Builder
 from ..checks.mobility import Mobility, mobility
 from ..display import counted
@@ -72,11 +76,8 @@ class Count:
 
 def quick_numbers(builder: Builder) -> dict[str, int]:
     """Numbers of NDOF = NX - NXO - NEO from the roles alone, without compiling."""
-    if builder.members:
-        try:
-            return builder.build(check=False).counts()
-        except ModelError:
-            pass
+    if builder.members and (model := _unchecked(builder)) is not None:
+        return model.counts()
     nx = nxo = 0
     for node in builder.nodes.values():
         n_constrained = sum(role in HELD for role in node.roles)
@@ -197,33 +198,21 @@ def _listed(names: list[str], kind: str = "") -> str:
 
 def _parts(builder: Builder) -> list[Part]:
     """Connected parts, in the order in which nodes were added."""
-    leader = {name: name for name in builder.nodes}
-
-    def first(name: str) -> str:
-        while leader[name] != name:
-            leader[name] = leader[leader[name]]
-            name = leader[name]
-        return name
-
-    def join(node_name: str, other: str) -> None:
-        a, b = first(node_name), first(other)
-        if a != b:
-            leader[b] = a
-
-    for name in builder.nodes:
-        owner = name.removesuffix(".rotation").removesuffix(".warping")
-        if owner != name and owner in builder.nodes:
-            join(owner, name)
-    for member in builder.members.values():
-        for node in member.nodes[1:]:
-            join(member.nodes[0], node)
-    nodes, elements, constrained = ({name: [] for name in map(first, builder.nodes)} for _ in range(3))
+    index = {name: i for i, name in enumerate(builder.nodes)}
+    owners = {name: name.removesuffix(".rotation").removesuffix(".warping") for name in index}
+    pairs = [(index[owner], index[name]) for name, owner in owners.items() if owner in index]
+    pairs += [(index[m.nodes[0]], index[node]) for m in builder.members.values() for node in m.nodes[1:]]
+    first, second = np.array(pairs, int).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(pairs)), (first, second)), (len(index), len(index)))
+    count, labels = connected_components(graph, directed=False)
+    part_of = dict(zip(index, labels.tolist(), strict=True))
+    nodes, elements, constrained = ([[] for _ in range(count)] for _ in range(3))
     for name, node in builder.nodes.items():
         if node.kind.part == "position":
-            nodes[first(name)].append(name)
+            nodes[part_of[name]].append(name)
         is_place = node.kind.part in ("position", "rotation")
-        constrained[first(name)].append(is_place and any(role in HELD for role in node.roles))
+        constrained[part_of[name]].append(is_place and any(role in HELD for role in node.roles))
     for name, member in builder.members.items():
         if not member.hidden and member.nodes:
-            elements[first(member.nodes[0])].append(name)
-    return [Part(tuple(nodes[name]), tuple(elements[name]), any(constrained[name])) for name in nodes]
+            elements[part_of[member.nodes[0]]].append(name)
+    return [Part(tuple(nodes[k]), tuple(elements[k]), any(constrained[k])) for k in range(count)]

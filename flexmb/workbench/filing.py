@@ -10,22 +10,15 @@ import re
 import tempfile
 import zipfile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from ..errors import printable
+from ..errors import AnalysisError, ModelError, printable
 from ..files import read_whole, write_whole
 from .document import Document
 
 OPENED, SAVED = (".dat", ".json"), (".dat", ".py", ".json")
-
-
-class Opened(NamedTuple):
-    """A document from a file, and notes about it."""
-
-    document: Document
-    notes: list[str]
 
 
 def files_of(path: Path | None) -> list[Path]:
@@ -35,20 +28,24 @@ def files_of(path: Path | None) -> list[Path]:
     return [path, path.with_suffix(".toml")] if path.suffix == ".dat" else [path]
 
 
-def opened(path: Path) -> Opened:
-    """The document of a file; nothing in it is run."""
+def opened(path: Path) -> tuple[Document, list[str]]:
+    """The document of a file, and notes about it; nothing in it is run."""
     if path.suffix == ".json":
-        return Opened(_json_document(read_whole(path), path.name), [])
+        content = read_whole(path)
+        try:
+            data = json.loads(content)
+        except (ValueError, RecursionError) as fault:
+            raise ValueError(f"'{printable(path.name)}' is no JSON: {fault}.") from None
+        return Document.from_data(data), []
     if path.suffix == ".dat":
         from .dat_file import open_dat
 
-        document, notes = open_dat(path)
-        return Opened(document, list(notes))
+        return open_dat(path)
     raise ValueError(f"'{printable(path.name)}' cannot be opened. The workbench opens {' and '.join(OPENED)}.")
 
 
-def received(name: str, text: str) -> Opened:
-    """The document of a text from a page."""
+def received(name: str, text: str) -> tuple[Document, list[str]]:
+    """The document of a text from a page, and notes about it."""
     with tempfile.TemporaryDirectory() as folder:
         plain = re.sub(r"[^\w.-]", "_", Path(name).name)[-80:] or "mechanism"
         path = Path(folder) / plain
@@ -108,7 +105,15 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
     notes = [problem["message"] for problem in built.problems]
     model = built.builder.build(check=False)
     if kind == "html":
-        return {"name": f"{name}.html", "text": _page(built), "notes": notes}
+        from ..linear.modes import modes
+        from ..viewer.view import view
+
+        try:
+            page = view(modes(built.model()))
+        except (AnalysisError, ModelError, NotImplementedError):
+            # A mechanism without modes.
+            page = view(model)
+        return {"name": f"{name}.html", "text": page.html(), "notes": notes}
     from ..statics.equilibrium import equilibrium
     from .cad import dxf, step
 
@@ -117,28 +122,8 @@ def exported(document: Document, kind: str, name: str, deformed: bool = False) -
     return {"name": f"{name}.{kind}", **_bytes(content), "notes": [*notes, *more]}
 
 
-def _page(built: Any) -> str:
-    """One page of the modes, or of the mechanism if it has no modes."""
-    from ..errors import AnalysisError, ModelError
-    from ..linear.modes import modes
-    from ..viewer.view import view
-
-    try:
-        return view(modes(built.model())).html()
-    except (AnalysisError, ModelError, NotImplementedError):
-        return view(built.builder.build(check=False)).html()
-
-
 def _bytes(content: bytes) -> dict[str, str]:
     return {"base64": base64.b64encode(content).decode()}
-
-
-def _json_document(content: bytes, name: str) -> Document:
-    try:
-        data = json.loads(content)
-    except (ValueError, RecursionError) as fault:
-        raise ValueError(f"'{printable(name)}' is no JSON: {fault}.") from None
-    return Document.from_data(data)
 
 
 def difference(here: Document, there: Document) -> str:

@@ -53,6 +53,8 @@ def fitted_names(
 
     with heard() as warnings:
         fit_result = fit(model_of, measured_table(file, text, answers), start, bounds, throw=False)
+    summary = fit_result.summary()
+    facts = [f"{name}: {text}" for name, text in summary.rows.items() if name not in fit_result.labels]
     good = fit_result.result.name in ("successful", "poor_fit")
     ops = [
         {"op": "name", "name": name, "to": {**entry, "value": number_like(entry["value"], float(value), 7)}}
@@ -62,16 +64,11 @@ def fitted_names(
     return {
         "status": "done" if good else "failed",
         "title": f"Fit to {file}",
-        "text": "\n".join([*_summary_lines(fit_result), *dict.fromkeys(warnings)]),
+        "text": "\n".join([summary.title, *facts, *dict.fromkeys(warnings)]),
         "rows": [_row(fit_result, name, start[name]) for name in fit_result.labels],
         "picture": image_of(fit_result, "svg").decode(),
         "ops": ops if good else [],
     }
-
-
-def _summary_lines(fit_result: Fit) -> list[str]:
-    summary = fit_result.summary()
-    return [summary.title, *(f"{name}: {text}" for name, text in summary.rows.items() if name not in fit_result.labels)]
 
 
 def _row(fit_result: Fit, name: str, before: float) -> dict[str, str]:

@@ -112,7 +112,6 @@ class _FormulaReader:
     def run(self, jaxpr: Jaxpr, constants: Any, given: list[Any]) -> list[Any]:
         values: dict[Any, Any] = dict(zip(jaxpr.constvars, map(_Known, constants), strict=True))
         values |= zip(jaxpr.invars, given, strict=True)
-
         for equation in jaxpr.eqns:
             results = self.results(equation, [_value_of(atom, values) for atom in equation.invars])
             values |= zip(equation.outvars, results, strict=True)
@@ -125,10 +124,13 @@ class _FormulaReader:
         if isinstance(inner, ClosedJaxpr):
             return self.run(inner.jaxpr, inner.consts, given)
         if all(isinstance(value, _Known) for value in given):
-            outputs = equation.primitive.bind(*(value.value for value in given), **equation.params)
-            return [_Known(result) for result in (outputs if equation.primitive.multiple_results else [outputs])]
-        if kind in _MOVES:
-            return self.moved(equation, given)
+            return [_Known(result) for result in _bound(equation, [value.value for value in given])]
+        # Integers and flags are instructions of an operation that moves numbers.
+        numbers = [atom.aval.dtype.kind == "f" for atom in equation.invars]
+        known = all(is_number or isinstance(v, _Known) for v, is_number in zip(given, numbers, strict=True))
+        if kind in _MOVES and known and all(out.aval.dtype.kind == "f" for out in equation.outvars):
+            moved = [self.placed(v) if is_number else v.value for v, is_number in zip(given, numbers, strict=True)]
+            return [np.asarray(result) for result in _bound(equation, moved)]
         if (how := _arithmetic(kind, equation.params)) is not None:
             places = np.broadcast_arrays(*(self.placed(value) for value in given))
             rows = zip(*(p.ravel() for p in places), strict=True)
@@ -136,18 +138,11 @@ class _FormulaReader:
             return [np.array(flat, float).reshape(places[0].shape)]
         return [np.zeros(out.aval.shape) for out in equation.outvars]
 
-    def moved(self, equation: Any, given: list[Any]) -> list[Any]:
-        """Results of an operation that moves numbers. Integers and flags are its instructions."""
-        if any(out.aval.dtype.kind != "f" for out in equation.outvars):
-            return [np.zeros(out.aval.shape) for out in equation.outvars]
-        moved = []
-        for atom, value in zip(equation.invars, given, strict=True):
-            where = atom.aval.dtype.kind != "f"
-            if where and not isinstance(value, _Known):
-                return [np.zeros(out.aval.shape) for out in equation.outvars]
-            moved.append(value.value if where else self.placed(value))
-        outputs = equation.primitive.bind(*moved, **equation.params)
-        return [np.asarray(result) for result in (outputs if equation.primitive.multiple_results else [outputs])]
+
+def _bound(equation: Any, given: list[Any]) -> list[Any]:
+    """Results of an operation on numbers."""
+    outputs = equation.primitive.bind(*given, **equation.params)
+    return outputs if equation.primitive.multiple_results else [outputs]
 
 
 def _value_of(atom: Any, values: dict[Any, Any]) -> Any:

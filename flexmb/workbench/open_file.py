@@ -12,7 +12,7 @@ from typing import Any
 from ..errors import printable
 from ..files import read_whole
 from .document import Document
-from .filing import Opened, difference, files_of, opened, received, write_document
+from .filing import difference, files_of, opened, received, write_document
 from .places import Storage, file_place
 from .undo import History
 
@@ -73,23 +73,23 @@ class OpenFile:
 
     def open(self, path: Path, key: str | None) -> list[str]:
         """Replace the document by a file, as one step; notes about it."""
-        file_content = opened(path)
-        self._take(file_content, path, f"Open {printable(path.name)}", key)
-        return file_content.notes
+        document, notes = opened(path)
+        self._take(document, path, f"Open {printable(path.name)}", key)
+        return notes
 
     def receive(self, name: str, text: str, key: str | None) -> list[str]:
         """Replace the document by a text, as one step; notes about it."""
-        file_content = received(name, text)
-        self._take(file_content, None, f"Open {printable(name)}", key)
-        return file_content.notes
+        document, notes = received(name, text)
+        self._take(document, None, f"Open {printable(name)}", key)
+        return notes
 
     def take(self, key: str | None) -> list[str]:
         """Replace the document by the file, or by an empty one without a file, as one step; notes about it."""
         path = self.path
-        file_content = opened(path) if path else Opened(Document.empty(self.history.document.dimension), [])
-        self._take(file_content, path, f"Take {printable(path.name)} from the disk" if path else "Begin anew", key)
+        document, notes = opened(path) if path else (Document.empty(self.history.document.dimension), [])
+        self._take(document, path, f"Take {printable(path.name)} from the disk" if path else "Begin anew", key)
         self._settle()
-        return file_content.notes
+        return notes
 
     def keep(self) -> None:
         """Keep the document; the next save overwrites the change of another program."""
@@ -121,8 +121,8 @@ class OpenFile:
             if self.place is not None and not keep and self.path is None:
                 self.place.leave()
 
-    def _take(self, file_content: Opened, path: Path | None, label: str, key: str | None) -> None:
-        self.history.replace(file_content.document, label, None if path is None else str(path), key)
+    def _take(self, document: Document, path: Path | None, label: str, key: str | None) -> None:
+        self.history.replace(document, label, None if path is None else str(path), key)
         self.know()
         if path is not None:
             self._move_to(path)
@@ -145,7 +145,7 @@ class OpenFile:
             if path_here is None or path not in files_of(path_here):
                 return
             try:
-                summary = difference(self.history.document, opened(path_here).document)
+                summary = difference(self.history.document, opened(path_here)[0])
             except (OSError, ValueError) as fault:
                 summary = f"The file cannot be opened now: {fault}"
             if summary:

@@ -12,6 +12,7 @@ from ..errors import printable
 from ..spacar.arithmetic import names_in
 from .building import Arguments, build, call_arguments, free_names, numeric_values
 from .document import Document
+from .edits import texts
 from .references import call_and_name, call_of
 
 # Words that no variable of the script may have.
@@ -32,7 +33,7 @@ class _Script:
     def __init__(self, document: Document):
         self.document = document
         self.built = build(document)
-        self.values = numeric_values(document)
+        self.values, self.texts = numeric_values(document), dict(texts(document))
         self.taken = set(RESERVED)
         self.function = self._variable(document.data["title"] or "mechanism", "mechanism")
         self.names = {name: self._variable(name, "number") for name in document.names}
@@ -51,32 +52,13 @@ class _Script:
         head = ["import flexmb as fm"]
         head += [f"from flexmb import {', '.join(rooms)}"] * bool(rooms)
         pi = ["from math import pi", ""] if re.search(r"\bpi\b", text) else []
-        parameters = ", ".join(f"{self.names[n]}={self._number(f'names/{n}/value')}" for n in self._free())
-        head_of_function = f"def {self.function}({parameters}):"
-        if len(head_of_function) > WIDEST:
-            head_of_function = f"def {self.function}(\n    " + parameters.replace(", ", ",\n    ") + ",\n):"
+        parameters = [f"{self.names[n]}={self._number(f'names/{n}/value')}" for n in self._free()]
+        head_of_function = _wrapped(f"def {self.function}", parameters, ":")
         title = printable(self.document.data["title"] or "mechanism")
-        return "\n".join(
-            [
-                _docstring(f"{title}, from the workbench of flexmb."),
-                "",
-                *self._left_out(),
-                *pi,
-                *head,
-                "",
-                "fm.enable_x64()",
-                "",
-                "",
-                head_of_function,
-                "    " + _docstring(self._doc(title)).replace("\n", "\n    ").replace("\n    \n", "\n\n"),
-                text,
-                "",
-                "",
-                'if __name__ == "__main__":',
-                f"    print(fm.frequencies({self.function}()))",
-                "",
-            ]
-        )
+        start = [_docstring(f"{title}, from the workbench of flexmb."), "", *self._left_out(), *pi, *head]
+        doc = "    " + _docstring(self._doc(title)).replace("\n", "\n    ").replace("\n    \n", "\n\n")
+        end = ['if __name__ == "__main__":', f"    print(fm.frequencies({self.function}()))", ""]
+        return "\n".join([*start, "", "fm.enable_x64()", "", "", head_of_function, doc, text, "", "", *end])
 
     def _variable(self, name: str, otherwise: str) -> str:
         """A new name for a variable."""
@@ -112,24 +94,17 @@ class _Script:
 
     def _derived(self) -> list[str]:
         """Names that follow from others, each after those names."""
-        free, lines, defined = set(self._free()), [], set(self._free())
+        free, lines = self._free(), []
         waiting = [n for n in self.document.names if n not in free and f"names/{n}/value" in self.values]
         while waiting:
-            ready = [n for n in waiting if set(names_in(self.document.names[n]["value"])) & set(waiting) == set()]
+            ready = [n for n in waiting if set(waiting).isdisjoint(names_in(self.document.names[n]["value"]))]
             lines += [f"{self.names[n]} = {self._number(f'names/{n}/value')}" for n in ready]
-            defined |= set(ready)
-            waiting = [n for n in waiting if n not in defined]
+            waiting = [n for n in waiting if n not in ready]
         return lines
 
     def _number(self, address: str) -> str:
         """The text of a number, with the names of the script."""
-        tree: Any = self.document.by_id[address.partition("/")[0]]["args"] if not address.startswith("names/") else None
-        if tree is None:
-            tree = self.document.names[address.split("/")[1]]["value"]
-        else:
-            for step in address.split("/")[1:]:
-                tree = tree[int(step)] if isinstance(tree, list) else tree[step]
-        text = LEADING_ZEROS.sub("", " ".join(str(tree).split()))
+        text = LEADING_ZEROS.sub("", " ".join(self.texts[address].split()))
         return NAME.sub(lambda match: self.names.get(match.group(), match.group()), text)
 
     def _lines(self, item: dict[str, Any]) -> list[str]:
@@ -167,10 +142,10 @@ def _written(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)
 
 
-def _wrapped(called: str, args: list[str]) -> str:
+def _wrapped(called: str, args: list[str], end: str = "") -> str:
     """A call in one line, or with one argument a line if it is too long."""
-    line = f"{called}({', '.join(args)})"
-    return line if len(line) <= WIDEST else f"{called}(\n    " + ",\n    ".join(args) + ",\n)"
+    line = f"{called}({', '.join(args)}){end}"
+    return line if len(line) <= WIDEST or not args else f"{called}(\n    " + ",\n    ".join(args) + f",\n){end}"
 
 
 def _docstring(text: str) -> str:
