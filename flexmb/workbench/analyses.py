@@ -30,10 +30,10 @@ from ..spacar.reading import Channel, Leg
 from ..spacar.trajectories import NOMINAL, REFERENCES
 from ..viewer.page import page_data
 from ..viewer.view import view
-from .building import build, free_names, numeric_values
+from .building import built_whole, free_names, numeric_values
 from .document import Document
+from .jobs import Job
 from .options import FIELDS, checked_options, missing
-from .targets import Watched
 from .traced import traced
 from .wants import answer_unit
 
@@ -57,12 +57,7 @@ class Request:
     document: Document
     builder: Builder
     options: dict[str, Any]
-    job: Watched
-
-    @property
-    def name(self) -> str:
-        """Title of the document."""
-        return printable(self.document.data["title"]) or "mechanism"
+    job: Job
 
     def watch(self, what: str, total: float | None = None) -> Callable[..., None]:
         """A function to call with the number of things done; it stops when the job does."""
@@ -102,7 +97,7 @@ def _analysis_of_mode(mode: Mode) -> Analysis:
     return Analysis(title, mode.about[:1].upper() + mode.about[1:], needs, lambda asked: _run(mode, asked))
 
 
-def run(document: Document, name: str, options: Mapping[str, Any], job: Watched) -> dict[str, Any]:
+def run(document: Document, name: str, options: Mapping[str, Any], job: Job) -> dict[str, Any]:
     """Run an analysis with texts of its fields, which may contain names of the document.
 
     Returns:
@@ -115,17 +110,10 @@ def run(document: Document, name: str, options: Mapping[str, Any], job: Watched)
     analysis = known[name]
     if analysis["missing"]:
         raise ModelError(analysis["missing"])
-    built = build(document)
-    if built.problems:
-        raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-    asked = Request(document, built.builder, checked_options(analysis, options, document), job)
+    builder = built_whole(document).builder
+    asked = Request(document, builder, checked_options(analysis, options, document), job)
     job.tell(title=analysis["title"], text="compiling")
     return {"title": analysis["title"], **analyses()[name].run(asked)}
-
-
-def _by_load(report: Callable[[Any, Any], None]) -> Callable[[Any, Any], None]:
-    """Progress of a path, which ends at the load factor 1."""
-    return lambda states, load: report(max(float(load), 0.0), 1.0)
 
 
 def _run(mode: Mode, asked: Request) -> dict[str, Any]:
@@ -136,16 +124,23 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
         settings |= {"ERROR": {"relative": options["rtol"]}}
     if "trajectory" in mode.needs:
         settings |= _trajectory(asked)
-    watch = _by_load(asked.watch("states")) if "steps" in mode.needs else asked.watch("parts of the time")
+    on_path = "steps" in mode.needs
+    watch = asked.watch("states" if on_path else "parts of the time")
+
+    def by_load(_: int, load: float) -> None:
+        """Progress of a path, which ends at the load factor 1."""
+        watch(max(float(load), 0.0), 1.0)
+
+    name, progress = printable(asked.document.data["title"]) or "mechanism", by_load if on_path else watch
     mode_answer = answer(
-        asked.builder, asked.name, mode.number, max_steps=most, settings=settings, progress=watch, dofs="auto"
+        asked.builder, name, mode.number, max_steps=most, settings=settings, progress=progress, dofs="auto"
     )
     lines = table(mode_answer.data).splitlines()[1:]
     more = [f"… and {len(lines) - MOST_LINES} more lines"] if len(lines) > MOST_LINES else []
     data: dict[str, Any] = {
         "status": "failed" if mode_answer.exit_status else "done",
         "text": "\n".join([*lines[:MOST_LINES], *more]),
-        "rows": _rows(mode_answer.found),
+        "rows": [] if mode_answer.found is None else list(map(list, mode_answer.found.summary().rows.items())),
     }
     if mode_answer.model is None or (mode_answer.exit_status and mode_answer.found is None and mode_answer.lin is None):
         return data
@@ -158,10 +153,6 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
         stresses = _stresses(along) if along is not None else None
         data["view"] = page_data(view(mode_answer.shown, stresses) if stresses else view(mode_answer.shown))
     return data
-
-
-def _rows(result: Any) -> list[list[str]]:
-    return [] if result is None else [[name, text] for name, text in result.summary().rows.items()]
 
 
 def _picture(mode_answer: Answer, options: Mapping[str, Any]) -> bytes:

@@ -16,7 +16,7 @@ from ..build.calls import MadeCall
 from ..build.carry import carried_choices
 from ..build.properties import check_record
 from ..elements import planar, spatial
-from ..errors import printable
+from ..errors import ModelError, printable
 from ..model.model import Model
 from .content import Document, EditError
 from .edits import texts
@@ -75,6 +75,14 @@ def build(document: Document, numbers: Mapping[str, Any] | None = None) -> Built
     built = document.kept["built"]
     # Callers may change their copy of the builder.
     return dataclasses.replace(built, builder=built.builder.copy())
+
+
+def built_whole(document: Document) -> Built:
+    """The built document; ModelError if it has problems."""
+    built = build(document)
+    if built.problems:
+        raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
+    return built
 
 
 def positions(document: Document, built: Built | None = None) -> dict[str, list[float]]:

@@ -63,6 +63,8 @@ COUNTS = {
 }
 # Fields for mechanisms in space.
 SPATIAL = ("y", "axis", "tilt", "apart", "local")
+# Properties that the elements of building blocks may have.
+OPTIONAL = {"section", "y", "curvature", "clamped", "skew", "clamp"}
 # Words for restrained warping at the ends of a beam.
 ENDS_IN_WORDS = {"neither": (False, False), "first": (True, False), "last": (False, True), "both": (True, True)}
 
@@ -222,14 +224,7 @@ def _flexible() -> list[str]:
         for name in room.__all__:
             element = getattr(room, name)
             joined = [key for key, kind in element.nodes.items() if kind.part in ("position", "rotation")]
-            needed = set(element.wanted(element.deformation)) - {
-                "section",
-                "y",
-                "curvature",
-                "clamped",
-                "skew",
-                "clamp",
-            }
+            needed = set(element.wanted(element.deformation)) - OPTIONAL
             if joined == ["p", "rot_p", "q", "rot_q"] and element.resultants is not None and not needed:
                 type_names.append(f"{room.__name__.rpartition('.')[2]}.{name}")
     return type_names
@@ -250,12 +245,14 @@ def _element_call(room: Any, name: str) -> Call:
     text, ends = str(element.__doc__), _ends(element)
     nodes = _field("nodes", "nodes", EMPTY, f"Nodes: {', '.join(ends)}.", count=len(ends))
     needed = {n for f in (element.deformation, element.law) if f is not None for n in element.wanted(f)}
-    fields = []
-    for key, parameter in element.properties.items():
-        default = None if parameter.default is EMPTY and key not in needed else parameter.default
-        fields.append(_annotation_field(key, element.hint(key), default, _mentioned(text, key)))
-    for key, (kind, default) in _options(element).items():
-        fields.append(_annotation_field(key, kind, default, _mentioned(text, key)))
+    wanted = {
+        key: (element.hint(key), None if parameter.default is EMPTY and key not in needed else parameter.default)
+        for key, parameter in element.properties.items()
+    }
+    fields = [
+        _annotation_field(key, hint, default, _mentioned(text, key))
+        for key, (hint, default) in (*wanted.items(), *_options(element).items())
+    ]
     # The section first, then what must be given.
     fields.sort(key=lambda field: (field["name"] != "section", field["optional"]))
     hint = typing.get_type_hints(element.deformation).get("return")
@@ -292,20 +289,13 @@ def _ends(element: Element) -> list[str]:
     return ends
 
 
-def _fields_of(record: Any) -> tuple[dataclasses.Field, ...]:
-    return dataclasses.fields(record)
-
-
 def _kind_of_record(maker: Any) -> str | None:
     """What a class of records, or a function that returns a record, makes; None if a document cannot contain it."""
-    if inspect.isclass(maker):
-        usual = [(kind, base) for kind, base in _RECORD_KINDS if issubclass(maker, base)]
-        field_types = {f.name: f.type for f in _fields_of(maker)} if usual and maker is not Section else {}
-        return usual[0][0] if field_types and "function" not in field_types else None
-    return_type = typing.get_type_hints(maker).get("return")
-    return next(
-        (kind for kind, base in _RECORD_KINDS if inspect.isclass(return_type) and issubclass(return_type, base)), None
-    )
+    if not isinstance(maker, type):
+        return _record_in(typing.get_type_hints(maker).get("return"))
+    kind = _record_in(maker)
+    names = [field.name for field in dataclasses.fields(maker)] if kind and maker is not Section else []
+    return kind if names and "function" not in names else None
 
 
 _RECORD_KINDS: tuple[tuple[str, Any], ...] = (("section", Section), ("material", Material), ("damping", Damping))
@@ -315,9 +305,10 @@ def _record_call(name: str) -> Call:
     function: Any = getattr(sections, name)
     makes = _kind_of_record(function)
     hints, docs = typing.get_type_hints(function), _arguments(function)
-    if inspect.isclass(function):
+    if isinstance(function, type):
         # The first fields of a record are the arguments of its constructor.
-        defaults = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in _fields_of(function)}
+        fields: Any = dataclasses.fields(function)
+        defaults = {f.name: EMPTY if f.default is dataclasses.MISSING else f.default for f in fields}
     else:
         defaults = {key: p.default for key, p in inspect.signature(function).parameters.items()}
     fields = [_annotation_field(key, hints.get(key), default, docs.get(key, "")) for key, default in defaults.items()]
@@ -336,7 +327,7 @@ def _constant_call(name: str) -> Call:
 def _annotation_field(name: str, hint: Any, default: Any, doc: str) -> dict[str, Any]:
     """A field from the annotation of a property, an option or an entry of a record."""
     alternatives = alternatives_of(hint)
-    if record_kind := _record_in(alternatives):
+    if record_kind := _record_in(*alternatives):
         return _field(name, record_kind, default, doc)
     origins = {typing.get_origin(candidate): typing.get_args(candidate) for candidate in alternatives}
     if typing.Literal in origins:
@@ -358,12 +349,10 @@ def _annotation_field(name: str, hint: Any, default: Any, doc: str) -> dict[str,
     return _field(name, "number", default, doc, whole=alternatives == (int,))
 
 
-def _record_in(alternatives: tuple[Any, ...]) -> str | None:
+def _record_in(*alternatives: Any) -> str | None:
     """Kind of record in an annotation."""
     classes = [candidate for candidate in alternatives if inspect.isclass(candidate)]
-    return next(
-        (kind for kind, base in _RECORD_KINDS if any(issubclass(candidate, base) for candidate in classes)), None
-    )
+    return next((kind for kind, base in _RECORD_KINDS if any(issubclass(c, base) for c in classes)), None)
 
 
 def _count(counts: tuple[int | None, int | None]) -> dict[str, int | None]:

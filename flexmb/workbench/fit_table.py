@@ -6,14 +6,14 @@ from typing import Any
 import jax.numpy as jnp
 
 from ..display import short
-from ..errors import ModelError, heard
+from ..errors import heard
 from ..identification.fit import fit
 from ..identification.fitted import Fit
 from ..identification.study_data import measured_table
 from ..linear.linearize import linearize
 from ..model.model import Model
 from ..plot.answer import image_of
-from .building import build, numeric_values
+from .building import build, built_whole, numeric_values
 from .document import Document
 from .targets import bounds_of
 from .traced import answer_of, increment_of
@@ -31,9 +31,7 @@ def fitted_names(
         "status", "title", "text", "rows" (a line for each name), "picture" (SVG), and "ops" that would write the fitted
         values into the document.
     """
-    built = build(document)
-    if built.problems:
-        raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
+    built_whole(document)
     numbers = numeric_values(document)
     names = checked_free(document, free)
     bounds = {name: bounds_of(document, name, numbers)[0] for name in names}

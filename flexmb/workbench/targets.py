@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ..plot.geometry import point_extent
 from ..progress import Stopped
 from ..questions.question import Asked
 from ..results import RESULTS
-from .building import build, numeric_values, positions
+from .building import built_whole, numeric_values, positions
 from .document import Document
 from .traced import Traced, question_of, traced
 from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
@@ -34,23 +34,13 @@ BUDGET, BUDGET_NEAREST, ROUNDS = 400, 200, 2
 PACE, LONGEST_PAUSE = 0.05, 1.2
 
 
-class Watched(Protocol):
-    """A job: it receives the progress, and may be stopped."""
-
-    @property
-    def stopped(self) -> bool:
-        """Whether to end."""
-        ...
-
-    def tell(self, **changes: Any) -> None:
-        """Take the progress."""
-        ...
-
-
 def meet(
-    document: Document, wants: Sequence[Mapping[str, Any]], free: Sequence[str], job: Watched, node: str | None = None
+    document: Document, wants: Sequence[Mapping[str, Any]], free: Sequence[str], job: Any, node: str | None = None
 ) -> dict[str, Any]:
-    """Find the dimensions nearest to the present ones that meet the targets; "ops" of the result would write them."""
+    """Find the dimensions nearest to the present ones that meet the targets; "ops" of the result would write them.
+
+    ``job.tell(..)`` receives the progress, and ``job.stopped`` ends the search.
+    """
     # The page shows warnings beside the drawing.
     with heard():
         tuning, stopped = _Tuning(document, wants, free, job, node), False
@@ -64,25 +54,22 @@ def meet(
 class _Tuning:
     """One search, and the best design so far."""
 
-    def __init__(self, document: Document, wants: Any, free: Sequence[str], job: Watched, node: str | None):
+    def __init__(self, document: Document, wants: Any, free: Sequence[str], job: Any, node: str | None):
         numbers = numeric_values(document)
         names = {name: float(numbers[a]) for name in document.names if (a := f"names/{name}/value") in numbers}
-        self.document, self.job, self.node = document, job, node
+        self.document, self.job = document, job
         self.wants = wants_of(wants, names)
         self.free = checked_free(document, free)
-        self.assumed: dict[str, tuple[float, float]] = {}
-        bounds = {}
-        for name in self.free:
-            bounds[name], is_assumed = bounds_of(document, name, numbers)
-            if is_assumed:
-                self.assumed[name] = bounds[name]
+        known = {name: bounds_of(document, name, numbers) for name in self.free}
+        bounds = {name: pair for name, (pair, _) in known.items()}
+        self.assumed = {name: pair for name, (pair, is_assumed) in known.items() if is_assumed}
         self.start = np.array([names[name] for name in self.free])
         self.scaling = Scaling(layout_of({name: names[name] for name in self.free}), bounds, {})
         # Size of a change through the whole range, relative if the dimension keeps its sign.
         log, lower, upper = self.scaling.log, self.scaling.lower, self.scaling.upper
         self.size = np.where(log, np.log(np.where(log, upper, 1.0) / np.where(log, lower, 1.0)), 1.0)
         self.keys = list(dict.fromkeys(want.key for want in self.wants))
-        model = self._model()
+        model = built_whole(document).builder.build()
         idle = [key for key in self.keys if _depends_on_loads(key)]
         if idle and not has_loads(model.topology, model.parameters):
             raise ValueError(f"No load acts, so there is no {idle[0]}. Add a force, a moment or gravity.")
@@ -93,12 +80,6 @@ class _Tuning:
         self.best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
         self.first: np.ndarray | None = None
         self.count, self.told_at, self.paused, self.failed = 0, 0.0, 0.0, RESULTS.successful
-
-    def _model(self) -> Any:
-        built = build(self.document)
-        if built.problems:
-            raise ModelError(f"The mechanism is not complete: {built.problems[0]['message']}")
-        return built.builder.build()
 
     def _by_key(self, values: np.ndarray) -> dict[str, float]:
         return dict(zip(self.keys, values.tolist(), strict=True))
@@ -199,7 +180,8 @@ class _Tuning:
         conditions: dict[str, Any] = {"targets": targets, "equal": equal, "limits": limits}
         problem = make_problem(layout, start, minimize=None, maximize=None, **conditions, margin=TARGET_NEARLY)
         unit = self.scaling.to_unit(begin)
-        search_from(problem, self.kernel, _untraced, _none_refused, unit, None, TARGET_NEARLY, budget)
+        # Only optimisers of optax and optimistix trace or refuse designs.
+        search_from(problem, self.kernel, _untraced, _untraced, unit, None, TARGET_NEARLY, budget)
 
     def _refuse_without_effect(self, values: np.ndarray, slopes: np.ndarray) -> None:
         for want in self.wants:
@@ -307,7 +289,3 @@ def _depends_on_loads(key: str) -> bool:
 
 def _untraced(unit: Any) -> Any:
     raise AssertionError("Only optimisers of optax and optimistix trace.")
-
-
-def _none_refused(units: np.ndarray) -> np.ndarray:
-    return np.zeros(len(units), bool)

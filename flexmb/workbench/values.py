@@ -134,25 +134,24 @@ def evaluated(document: Document, given: Mapping[str, Any] | None = None) -> tup
 
 def _evaluated(document: Document, name_values: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
     values, faults, by_address = {}, {}, {}
+
+    def evaluate(address: str, text: str) -> None:
+        try:
+            by_address[address] = _value(text, values, document)
+        except ValueError as fault:
+            faults[address] = str(fault)
+
     for name in document.names:
         _evaluate_name(document, name, name_values, values, faults)
-    for name in document.names:
+    for name, entry in document.names.items():
         for bound in ("low", "high"):
-            address, text = f"names/{name}/{bound}", document.names[name].get(bound)
-            if text is not None and text.strip():
-                try:
-                    by_address[address] = _value(text, values, document)
-                except ValueError as fault:
-                    faults[address] = str(fault)
+            if entry.get(bound, "").strip():
+                evaluate(f"names/{name}/{bound}", entry[bound])
         if name in values:
             by_address[f"names/{name}/value"] = values[name]
     for item in document.things:
         for path, text in numbers(item):
-            address = f"{item['id']}/{path}"
-            try:
-                by_address[address] = _value(text, values, document)
-            except ValueError as fault:
-                faults[address] = str(fault)
+            evaluate(f"{item['id']}/{path}", text)
     return by_address, faults
 
 

@@ -51,7 +51,6 @@ class Ways:
     def __init__(self, changed: Callable[[], None]):
         self._changed = changed
         self._closures: dict[Any, _Closure | Exception | None] = {}
-        self._names: dict[Any, Callable[..., Any]] = {}
 
     def of(self, document: Document, found: Answers, *, wait: bool = False) -> dict[str, Any]:
         """Sensitivities of the wanted answer, as a message to pages."""
@@ -89,7 +88,7 @@ class Ways:
             critical = int(code) == RESULTS.critical_state
             return without("failed", RESULTS.critical_state.message if critical else "It has no derivative here.")
         by_field = dict(zip(closure.addresses, slopes.tolist(), strict=True))
-        by_name = self._by_name(document, by_field)
+        by_name = _by_name(document, by_field)
         at = {**{a: numbers[a] for a in by_field}, **{n: numbers[f"names/{n}/value"] for n in by_name}}
         every = {**by_field, **by_name}
         return {
@@ -125,22 +124,6 @@ class Ways:
             compile_()
         else:
             threading.Thread(target=compile_, name="flexmb ways", daemon=True).start()
-
-    def _by_name(self, document: Document, by_field: Mapping[str, float]) -> dict[str, float]:
-        """Slopes by the free names, from the slopes of the fields and the arithmetic in each field."""
-        names = free_names(document)
-        if not names:
-            return {}
-        addresses = tuple(by_field)
-        kind = structure(document), tuple(names), addresses
-        if kind not in self._names:
-            self._names[kind] = _pulled(document, names, addresses)
-            while len(self._names) > MOST:
-                del self._names[next(iter(self._names))]
-        values = numeric_values(document)
-        point = np.array([values[f"names/{name}/value"] for name in names])
-        slopes = self._names[kind](point, np.array([by_field[address] for address in addresses]))
-        return dict(zip(names, np.asarray(slopes).tolist(), strict=True))
 
 
 def numeric_fields(document: Document) -> list[str]:
@@ -225,14 +208,16 @@ def _by_element(model: Model, shares: list[list[Any]], value: float) -> dict[str
     return relative_slopes
 
 
-def _pulled(document: Document, names: list[str], addresses: tuple[str, ...]) -> Callable[..., Any]:
-    """The function from slopes by the fields, at values of the names, to slopes by the names."""
+def _by_name(document: Document, by_field: Mapping[str, float]) -> dict[str, float]:
+    """Slopes by the free names, from the slopes of the fields and the arithmetic in each field."""
+    values, names = numeric_values(document), free_names(document)
 
-    def fields(flat: Any) -> Any:
-        numbers = numeric_values(document, dict(zip(names, flat, strict=True)))
-        return jnp.stack([jnp.asarray(numbers[address], float) for address in addresses])
+    def weighted(name_values: dict[str, Any]) -> Any:
+        numbers = numeric_values(document, name_values)
+        return jnp.asarray(sum(slope * numbers[address] for address, slope in by_field.items()), float)
 
-    return jit(lambda flat, slopes: jax.vjp(fields, flat)[1](slopes)[0])
+    slopes = jax.grad(weighted)({name: float(values[f"names/{name}/value"]) for name in names}) if names else {}
+    return {name: float(slopes[name]) for name in names}
 
 
 def _meaningless(key: str, answers: Answers) -> str:
