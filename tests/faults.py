@@ -488,7 +488,7 @@ FAULTS = [
     Fault("fmu/flatten.py", "else (name, meaning, *map", "else (name, *map", "fmu/test_translate.py -k primitive"),
     Fault("fmu/writer.py", "min(life[0], first), max(life[1], end - 1)", "life", "fmu/test_translate.py -k primitive"),
     Fault("fmu/writer.py", "merged[-1][1] == stride * length", "merged", "fmu/test_translate.py -k primitive"),
-    Fault("fmu/primitives.py", "self.guarded is None else", "True else", "fmu/test_translate.py -k primitive"),
+    Fault("fmu/primitives.py", "self.inside is None else", "True else", "fmu/test_translate.py -k primitive"),
     Fault(
         "fmu/primitives.py",
         "down, across, count = not turned,",

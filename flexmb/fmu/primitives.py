@@ -1,13 +1,13 @@
 """The translation of each primitive of JAX to C."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from .flatten import Atom, Equation
-from .writer import ArrayView, Lazy, Place, Value, Writer, compact, counters, literal, reshaped, variable
+from .writer import ArrayView, Lazy, Place, Value, Writer, c_type, compact, counters, literal, transposed, variable
 
 # Number of terms of a sum that are written out; more make a loop.
 SHORT = 4
@@ -31,23 +31,20 @@ def rule(*names: str):
 # Elementwise
 
 
-def broadcast_operand(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
-    """An operand in the wanted shape, with axes of one entry repeated."""
+def broadcast(w: Writer, value: Value, axes: Sequence[int], shape: tuple[int, ...]) -> Value:
+    """An array in a larger shape, in which its axes are ``axes``; entries are repeated along all others."""
     if value.shape == shape:
         return value
-    operand, missing = w.cheap(value), len(shape) - len(value.shape)
-    value_shape = value.shape
-
-    def at(index: list[Place]) -> str:
-        return operand.at([place if n > 1 else Place() for place, n in zip(index[missing:], value_shape, strict=True)])
-
-    return Lazy(at, 0, shape, value.dtype)
+    if np.prod(shape, dtype=int) > np.prod(value.shape, dtype=int):
+        value = w.cheap(value)
+    return value.by_axes([axis if n > 1 else None for axis, n in zip(axes, value.shape, strict=True)], shape)
 
 
 def mapped(w: Writer, equation: Equation, values: list[Value], write: Callable[..., str]) -> list[Value]:
     """An elementwise operation, by its expression from those of the operands."""
     (out,) = equation.outputs
-    operands = [broadcast_operand(w, value, out.shape) for value in values]
+    rank = len(out.shape)
+    operands = [broadcast(w, value, range(rank - len(value.shape), rank), out.shape) for value in values]
     cost = 1 + sum(operand.cost for operand in operands)
     return [Lazy(lambda index: write(*(operand.at(index) for operand in operands)), cost, out.shape, out.dtype)]
 
@@ -201,96 +198,46 @@ def _iota(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
 @rule("broadcast_in_dim")
 def _broadcast(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
-    (x, *_), (out,) = values, equation.outputs
     axes = tuple(map(int, equation.params["broadcast_dimensions"]))
-    if np.prod(out.shape, dtype=int) > np.prod(x.shape, dtype=int):
-        x = w.cheap(x)
-    if isinstance(x, ArrayView):
-        strides = [0] * len(out.shape)
-        for axis, length, stride in zip(axes, x.shape, x.strides, strict=True):
-            strides[axis] = stride if length > 1 else 0
-        return [x._replace(strides=tuple(strides), shape=out.shape)]
-    x_shape = x.shape
-
-    def at(index: list[Place]) -> str:
-        return x.at([index[axis] if n > 1 else Place() for axis, n in zip(axes, x_shape, strict=True)])
-
-    return [Lazy(at, x.cost, out.shape, out.dtype)]
+    return [broadcast(w, values[0], axes, equation.outputs[0].shape)]
 
 
 @rule("reshape", "squeeze", "expand_dims")
 def _reshape(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     if equation.params.get("dimensions") is not None and equation.name == "reshape":
         raise NotImplementedError("another order of axes")
-    return [in_shape(w, values[0], equation.outputs[0].shape)]
-
-
-def in_shape(w: Writer, value: Value, shape: tuple[int, ...]) -> Value:
-    """The same numbers in another shape."""
-    if isinstance(value, Lazy):
-        longer = [axis for axis, n in enumerate(shape) if n != 1]
-        if [shape[axis] for axis in longer] == [n for n in value.shape if n != 1]:
-            value_shape = value.shape
-
-            def at(index: list[Place]) -> str:
-                remaining = iter([index[axis] for axis in longer])
-                return value.at([next(remaining) if n != 1 else Place() for n in value_shape])
-
-            return Lazy(at, value.cost, shape, value.dtype)
-    view = w.stored(value)
-    result = reshaped(view, shape)
-    if result is None:
-        result = reshaped(w.copied(view), shape)
-    assert result is not None
-    return result
+    return [w.in_shape(values[0], equation.outputs[0].shape)]
 
 
 @rule("transpose")
 def _transpose(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
-    (x,), (out,) = values, equation.outputs
-    order = tuple(map(int, equation.params["permutation"]))
-    if isinstance(x, ArrayView):
-        return [x._replace(strides=tuple(x.strides[axis] for axis in order), shape=out.shape)]
-    return [Lazy(lambda index: x.at([index[order.index(i)] for i in range(len(order))]), x.cost, out.shape, out.dtype)]
+    return [transposed(values[0], tuple(map(int, equation.params["permutation"])))]
 
 
-def part(x: Value, starts: list[Place], steps: list[int], shape: tuple[int, ...]) -> Value:
-    """A part of an array from a place in steps along each axis, which may be negative."""
-    if isinstance(x, ArrayView):
-        strides = tuple(stride * step for stride, step in zip(x.strides, steps, strict=True))
-        return ArrayView(x.pool, x.place(starts), strides, shape, x.dtype)
-
-    def at(index: list[Place]) -> str:
-        return x.at([start + place * step for start, place, step in zip(starts, index, steps, strict=True)])
-
-    return Lazy(at, x.cost, shape, x.dtype)
-
-
-def window(x: Value, axis: int, at: int | Place, shape: tuple[int, ...]) -> Value:
-    """A part of an array that begins at a place along one axis and is complete along the others."""
-    place = at if isinstance(at, Place) else Place(at)
-    return part(x, [place if i == axis else Place() for i in range(len(shape))], [1] * len(shape), shape)
+def start_along(axis: int, at: int, rank: int) -> list[Place]:
+    """Start of a part of an array that is complete along all other axes."""
+    return [Place(at if i == axis else 0) for i in range(rank)]
 
 
 @rule("slice")
 def _slice(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     starts = [Place(start) for start in equation.params["start_indices"]]
     steps = list(equation.params["strides"] or [1] * len(starts))
-    return [part(values[0], starts, steps, equation.outputs[0].shape)]
+    return [values[0].part(starts, equation.outputs[0].shape, steps)]
 
 
 @rule("rev")
 def _rev(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     shape, turned = values[0].shape, set(map(int, equation.params["dimensions"]))
     starts = [Place(n - 1 if axis in turned else 0) for axis, n in enumerate(shape)]
-    return [part(values[0], starts, [-1 if axis in turned else 1 for axis in range(len(shape))], shape)]
+    return [values[0].part(starts, shape, [-1 if axis in turned else 1 for axis in range(len(shape))])]
 
 
 @rule("split")
 def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     axis, at, parts = equation.params["axis"], 0, []
     for out in equation.outputs:
-        parts.append(window(values[0], axis, at, out.shape))
+        parts.append(values[0].part(start_along(axis, at, len(out.shape)), out.shape))
         at += out.shape[axis]
     return parts
 
@@ -298,17 +245,16 @@ def _split(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 @rule("unstack")
 def _unstack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), axis = values, equation.params["axis"]
-    window_shape = tuple(1 if i == axis else n for i, n in enumerate(x.shape))
-    return [in_shape(w, window(x, axis, i, window_shape), out.shape) for i, out in enumerate(equation.outputs)]
+    rank, row = len(x.shape), tuple(1 if i == axis else n for i, n in enumerate(x.shape))
+    rows = [x.part(start_along(axis, i, rank), row) for i in range(x.shape[axis])]
+    return [w.in_shape(value, out.shape) for value, out in zip(rows, equation.outputs, strict=True)]
 
 
 def _joined(w: Writer, equation: Equation, operands: list[Value], axis: int) -> list[Value]:
     (out,), at = equation.outputs, 0
     joined = w.new(out.shape, out.dtype)
     for piece in operands:
-        to = window(joined, axis, at, piece.shape)
-        assert isinstance(to, ArrayView)
-        w.store(piece, to)
+        w.store(piece, joined.part(start_along(axis, at, len(out.shape)), piece.shape))
         at += piece.shape[axis]
     return [joined]
 
@@ -322,19 +268,19 @@ def _concatenate(w: Writer, equation: Equation, values: list[Value]) -> list[Val
 def _stack(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     axis = equation.params["axis"]
     shape = tuple(1 if i == axis else n for i, n in enumerate(equation.outputs[0].shape))
-    return _joined(w, equation, [in_shape(w, value, shape) for value in values], axis)
+    return _joined(w, equation, [w.in_shape(value, shape) for value in values], axis)
 
 
 @rule("tile")
 def _tile(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x,), (out,) = values, equation.outputs
     x_shape = (1,) * (len(out.shape) - len(x.shape)) + x.shape
-    x = in_shape(w, w.cheap(x), x_shape)
+    x = w.in_shape(w.cheap(x), x_shape)
     longer = tuple(
         n for out_length, n in zip(out.shape, x_shape, strict=True) for n in (out_length // n if n else 1, n)
     )
     again = Lazy(lambda index: x.at(index[1::2]), 0, longer, out.dtype)
-    return [in_shape(w, w.copied(again), out.shape)]
+    return [w.in_shape(w.copied(again), out.shape)]
 
 
 @rule("pad")
@@ -342,7 +288,7 @@ def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (x, filling), (out,) = values, equation.outputs
     config = [tuple(map(int, entry)) for entry in equation.params["padding_config"]]
     padded = w.new(out.shape, out.dtype)
-    w.store(broadcast_operand(w, filling, out.shape), padded)
+    w.store(broadcast(w, filling, (), out.shape), padded)
     # What stands outside after a negative padding is left away.
     first, count, to = [], [], []
     for (low, _, inner), n, length in zip(config, x.shape, out.shape, strict=True):
@@ -353,10 +299,7 @@ def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         count.append(max(0, last - begin + 1))
         to.append(Place(low + begin * step))
     steps = [entry[2] + 1 for entry in config]
-    inside = part(x, [Place(entry) for entry in first], [1] * len(first), tuple(count))
-    target = part(padded, to, steps, tuple(count))
-    assert isinstance(target, ArrayView)
-    w.store(inside, target)
+    w.store(x.part([Place(entry) for entry in first], tuple(count)), padded.part(to, tuple(count), steps))
     return [padded]
 
 
@@ -391,33 +334,26 @@ def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
     shape, inner = tuple(x.shape[axis] for axis in kept_axes), tuple(x.shape[axis] for axis in axes)
     start, combine = _combined(w, kind, x.dtype)
     count = int(np.prod(inner, dtype=int))
-
-    def all_places(outer: list[Place], within: list[Place]) -> list[Place]:
-        places = dict(zip([*kept_axes, *axes], [*outer, *within], strict=True))
-        return [places[axis] for axis in range(len(x.shape))]
-
+    x = transposed(x, [*kept_axes, *axes])
     if 0 < count <= SHORT:
         terms = list(np.ndindex(*inner))
 
         def at(index: list[Place]) -> str:
-            texts = [x.at(all_places(index, [Place(i) for i in term])) for term in terms]
-            return functools.reduce(combine, texts)
+            return functools.reduce(combine, [x.at([*index, *map(Place, term)]) for term in terms])
 
         return Lazy(at, max(1, count * (x.cost + 1) - 1), shape, x.dtype)
     result = w.new(shape, x.dtype)
     loops, outer = counters("i", shape)
     rounds, within = counters("r", inner)
-    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
     if 0 in shape:
         return result
+    step = ""
     if count:
-        step = f"{rounds}s = {combine('s', x.at(all_places(outer, within)))}; "
+        entry = x.at([*outer, *within])
+        step = f"{rounds}s = {combine('s', entry)}; "
         if kind in ("sum", "prod") and step.count("s = (s "):
-            sign = "+" if kind == "sum" else "*"
-            step = f"{rounds}s {sign}= {x.at(all_places(outer, within))}; "
-    else:
-        step = ""
-    w.add(f"{loops}{{ {kind_of} s = {start}; {step}{result.at(outer)} = s; }}")
+            step = f"{rounds}s {'+' if kind == 'sum' else '*'}= {entry}; "
+    w.add(f"{loops}{{ {c_type(x.dtype)} s = {start}; {step}{result.at(outer)} = s; }}")
     return result
 
 
@@ -428,7 +364,7 @@ def _reduce(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
 
 @rule("dot_general")
-def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
+def _dot_general(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     (left, right), (out,) = values, equation.outputs
     (lc, rc), (lb, rb) = (
         tuple(tuple(map(int, axes)) for axes in pair) for pair in equation.params["dimension_numbers"]
@@ -436,41 +372,28 @@ def _dot_general(w: Writer, equation: Equation, values: list[Value], known: list
     left_axes = [axis for axis in range(len(left.shape)) if axis not in (*lc, *lb)]
     other = [axis for axis in range(len(right.shape)) if axis not in (*rc, *rb)]
     orders = ([*lb, *left_axes, *lc], [*rb, *other, *rc])
-    ours = range(len(lb) + len(left_axes)), [*range(len(lb)), *range(len(lb) + len(left_axes), len(out.shape))]
-    for side, array in enumerate(known):
+    n_batch, n_left = len(lb), len(lb) + len(left_axes)
+    ours = range(n_left), [*range(n_batch), *range(n_left, len(out.shape))]
+    for side, atom in enumerate(equation.inputs):
+        array = w.constants.get(atom)
         many = array is not None and array.dtype.kind == "f" and array.size >= LARGE
         if array is not None and many and np.count_nonzero(array) <= SPARSE * array.size:
-            operand = w.stored(values[1 - side])
-            operand = _in_order(operand, orders[1 - side])
-            return [_sparse(w, out, np.transpose(array, orders[side]), len(lc), operand, list(ours[side]), len(lb))]
+            operand = w.stored(transposed(values[1 - side], orders[1 - side]))
+            return [_sparse(w, out, np.transpose(array, orders[side]), len(lc), operand, list(ours[side]), n_batch)]
     # An expression that is read once stays an expression.
     left = left if np.prod([right.shape[axis] for axis in other], dtype=int) <= 1 else w.cheap(left)
     right = right if np.prod([left.shape[axis] for axis in left_axes], dtype=int) <= 1 else w.cheap(right)
-    along = tuple(left.shape[axis] for axis in lc)
+    along, rank = tuple(left.shape[axis] for axis in lc), len(out.shape)
+    first, second = transposed(left, orders[0]), transposed(right, orders[1])
 
     def at(index: list[Place]) -> str:
-        batch, free_places = index[: len(lb)], index[len(lb) :]
-        places = (
-            [*batch, *free_places[: len(left_axes)], *free_places[len(left_axes) + len(other) :]],
-            [*batch, *free_places[len(left_axes) :]],
-        )
-        texts = []
-        for operand, order, operand_places in zip((left, right), orders, places, strict=True):
-            by_axis = dict(zip(order, operand_places, strict=True))
-            texts.append(operand.at([by_axis[axis] for axis in range(len(order))]))
-        if out.dtype.kind == "f":
-            return f"({texts[0]} * {texts[1]})"
-        return wrapped(out.dtype, f"(uint64_t){texts[0]} * (uint64_t){texts[1]}")
+        a = first.at([*index[:n_left], *index[rank:]])
+        b = second.at([*index[:n_batch], *index[n_left:]])
+        return f"({a} * {b})" if out.dtype.kind == "f" else wrapped(out.dtype, f"(uint64_t){a} * (uint64_t){b}")
 
     product = Lazy(at, 1 + left.cost + right.cost, (*out.shape, *along), out.dtype)
-    axes = tuple(range(len(out.shape), len(out.shape) + len(along)))
+    axes = tuple(range(rank, rank + len(along)))
     return [reduced(w, product, axes, "sum") if axes else product]
-
-
-def _in_order(view: ArrayView, axes: list[int]) -> ArrayView:
-    """The same numbers with axes in another order."""
-    shape, strides = (tuple(kind[axis] for axis in axes) for kind in (view.shape, view.strides))
-    return view._replace(shape=shape, strides=strides)
 
 
 def _sparse(
@@ -511,9 +434,8 @@ def _cumulative(w: Writer, equation: Equation, values: list[Value]) -> list[Valu
         return [result]
     loops, index = counters("i", tuple(1 if i == axis else length for i, length in enumerate(x.shape)))
     index[axis] = variable("r") * -1 + (n - 1) if equation.params["reverse"] else variable("r")
-    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
     step = f"s = {combine('s', x.at(index))}; {result.at(index)} = s;"
-    w.add(f"{loops}{{ {kind_of} s = {start}; F(r, {n}) {{ {step} }} }}")
+    w.add(f"{loops}{{ {c_type(x.dtype)} s = {start}; F(r, {n}) {{ {step} }} }}")
     return [result]
 
 
@@ -525,7 +447,7 @@ def _arg(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         return [result]
     loops, index = counters("i", out.shape)
     sign = ">" if equation.name == "argmax" else "<"
-    kind_of = "double" if x.dtype.kind == "f" else "int64_t"
+    kind_of = c_type(x.dtype)
     first = x.at([*index[:axis], Place(), *index[axis:]])
     candidate = x.at([*index[:axis], variable("r"), *index[axis:]])
     # The first NaN is the answer.
@@ -556,8 +478,8 @@ def _sort(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
         before = f"({less} || (!({more}) && {before}))"
     swaps = ""
     for view in copies:
-        kind_of, a, b = "double" if view.dtype.kind == "f" else "int64_t", at(view, upper), at(view, lower)
-        swaps += f"{{ {kind_of} v = {a}; {a} = {b}; {b} = v; }} "
+        a, b = at(view, upper), at(view, lower)
+        swaps += f"{{ {c_type(view.dtype)} v = {a}; {a} = {b}; {b} = v; }} "
     w.add(f"{loops}F(r, {shape[axis]}) for (int k = r; k > 0 && {before}; k--) {{ {swaps}}}")
     return list(copies)
 
@@ -635,7 +557,7 @@ def _dynamic_slice(w: Writer, equation: Equation, values: list[Value]) -> list[V
     x, *starts = values
     sizes = equation.outputs[0].shape
     places = [_start(w, start, n - size) for start, n, size in zip(starts, x.shape, sizes, strict=True)]
-    return [part(x, places, [1] * len(sizes), sizes)]
+    return [x.part(places, sizes)]
 
 
 @rule("dynamic_update_slice")
@@ -643,106 +565,84 @@ def _dynamic_update_slice(w: Writer, equation: Equation, values: list[Value]) ->
     x, change, *starts = values
     places = [_start(w, start, n - size) for start, n, size in zip(starts, x.shape, change.shape, strict=True)]
     result = w.copied(x)
-    to = part(result, places, [1] * len(places), change.shape)
-    assert isinstance(to, ArrayView)
-    w.store(change, to)
+    w.store(change, result.part(places, change.shape))
     return [result]
 
 
-class _Indices:
-    """Where windows begin, by the indices of a gather or scatter."""
+# Names of the axes in gathers and scatters: with windows, without, batches of the array and the indices, indexed.
+GATHERED = (
+    "offset_dims", "collapsed_slice_dims", "operand_batching_dims", "start_indices_batching_dims", "start_index_map",
+)  # fmt: skip
+SCATTERED = (
+    "update_window_dims", "inserted_window_dims", "operand_batching_dims", "scatter_indices_batching_dims",
+    "scatter_dims_to_operand_dims",
+)  # fmt: skip
 
-    def __init__(self, w: Writer, equation: Equation, indices: Value, known: np.ndarray | None, most: dict[int, int]):
-        self.w, self.most = w, most
-        name = getattr(equation.params["mode"], "name", str(equation.params["mode"]))
-        self.drops = name == "FILL_OR_DROP"
-        self.columns: dict[int, Value] = {}
-        self.known = known is not None
-        self.guarded: Value | None = None
-        if known is None:
-            view, shape = w.cheap(indices), (*indices.shape[:-1], 1)
-            for k, axis in enumerate(most):
-                self.columns[axis] = part(view, [*[Place()] * (len(shape) - 1), Place(k)], [1] * len(shape), shape)
-            return
-        inside = np.ones(known.shape[:-1], bool)
-        for k, (axis, bound) in enumerate(most.items()):
-            column = known[..., k].astype(np.int64)
-            inside &= (column >= 0) & (column <= bound)
-            self.columns[axis] = w.tables.value(np.clip(column, 0, max(bound, 0)))
-        if self.drops and not inside.all():
-            self.guarded = w.tables.value(inside)
 
-    def place(self, axis: int, batch: list[Place]) -> Place:
-        """Where a window begins along an axis."""
-        column = self.columns[axis]
-        if not self.known:
-            return variable(f"{self.w.helper('fx_clip')}({column.at([*batch, Place()])}, {self.most[axis]})")
-        if isinstance(column, ArrayView):
-            return variable(column.at(batch))
-        even = column.at([Place()] * len(batch)).strip("()")
-        start = Place(int(even))
-        for i, position in enumerate(batch):
-            unit = [Place(1 if k == i else 0) for k in range(len(batch))]
-            start = start + position * (int(column.at(unit).strip("()")) - int(even))
-        return start
+class _Windows:
+    """Windows of an array that begin at indices; an index of the result of a gather, or of updates, names an entry."""
 
-    def guard(self, batch: list[Place]) -> str | None:
-        """A condition by the index within the batch; None where no window lies outside or all are kept inside."""
-        if self.known:
-            return None if self.guarded is None else self.guarded.at(batch)
-        if not self.drops:
-            return None
-        texts = [(self.columns[axis].at([*batch, Place()]), bound) for axis, bound in self.most.items()]
+    def __init__(self, w: Writer, equation: Equation, names: Sequence[str], shape: tuple[int, ...], indices: Value):
+        numbers, x_shape = equation.params["dimension_numbers"], equation.inputs[0].shape
+        offsets, absent, x_batch, index_batch, indexed = (tuple(map(int, getattr(numbers, name))) for name in names)
+        along = [axis for axis in range(len(x_shape)) if axis not in (*absent, *x_batch)]
+        self.rank, self.offsets = len(x_shape), dict(zip(along, offsets, strict=True))
+        self.paired = dict(zip(x_batch, index_batch, strict=True))
+        self.batch_axes = [axis for axis in range(len(shape)) if axis not in offsets]
+        sizes = {axis: shape[offset] for axis, offset in self.offsets.items()}
+        self.most = {axis: x_shape[axis] - sizes.get(axis, 1) for axis in indexed}
+        self.drops = getattr(equation.params["mode"], "name", str(equation.params["mode"])) == "FILL_OR_DROP"
+        self.w, self.indices, self.inside = w, w.cheap(indices), None
+        self.known = w.constants.get(equation.inputs[1])
+        if self.known is not None:
+            self.known, bounds = self.known.astype(np.int64), np.array(list(self.most.values()), int)
+            inside = np.all((self.known >= 0) & (self.known <= bounds), axis=-1)
+            self.known = np.clip(self.known, 0, np.maximum(bounds, 0))
+            if self.drops and not inside.all():
+                self.inside = w.tables.value(inside)
+
+    def _start(self, number: int, bound: int, batch: list[Place]) -> Place:
+        """Where a window begins along an indexed axis."""
+        if self.known is None:
+            return variable(f"{self.w.helper('fx_clip')}({self.indices.at([*batch, Place(number)])}, {bound})")
+        return self.w.tables.integer(self.known[..., number], batch)
+
+    def places(self, index: list[Place]) -> list[Place]:
+        """Index of the array."""
+        batch = [index[axis] for axis in self.batch_axes]
+        places = [index[self.offsets[axis]] if axis in self.offsets else Place() for axis in range(self.rank)]
+        for axis, index_axis in self.paired.items():
+            places[axis] = places[axis] + batch[index_axis]
+        for number, (axis, bound) in enumerate(self.most.items()):
+            places[axis] = places[axis] + self._start(number, bound, batch)
+        return places
+
+    def guard(self, index: list[Place]) -> str | None:
+        """Whether the window lies inside; None if all do, or are moved inside."""
+        batch = [index[axis] for axis in self.batch_axes]
+        if self.known is not None or not self.drops:
+            return None if self.inside is None else self.inside.at(batch)
+        texts = [(self.indices.at([*batch, Place(k)]), bound) for k, bound in enumerate(self.most.values())]
         return " && ".join(f"{text} >= 0 && {text} <= {bound}" for text, bound in texts)
 
 
-def _places(
-    indices: _Indices, batch: list[Place], window: dict[int, Place], paired: dict[int, int], rank: int
-) -> list[Place]:
-    places = []
-    for axis in range(rank):
-        place = window.get(axis, Place())
-        if axis in paired:
-            place = place + batch[paired[axis]]
-        if axis in indices.most:
-            place = place + indices.place(axis, batch)
-        places.append(place)
-    return places
-
-
 @rule("gather")
-def _gather(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
-    (x, indices), (out,), params = values, equation.outputs, equation.params
-    numbers, sizes = params["dimension_numbers"], [int(size) for size in params["slice_sizes"]]
-    collapsed = (*map(int, numbers.collapsed_slice_dims), *map(int, numbers.operand_batching_dims))
-    offsets = list(map(int, numbers.offset_dims))
-    along = [axis for axis in range(len(x.shape)) if axis not in collapsed]
-    batch_axes = [axis for axis in range(len(out.shape)) if axis not in offsets]
-    paired = dict(
-        zip(map(int, numbers.operand_batching_dims), map(int, numbers.start_indices_batching_dims), strict=True)
-    )
+def _gather(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    (x, indices), (out,) = values, equation.outputs
     if 0 in out.shape:
         return [Lazy(lambda index: "0", 0, out.shape, out.dtype)]
-    most = {int(axis): x.shape[axis] - sizes[axis] for axis in numbers.start_index_map}
-    where = _Indices(w, equation, indices, known[1], most)
-    source = w.cheap(x)
+    where, source = _Windows(w, equation, GATHERED, out.shape, indices), w.cheap(x)
+    filling = _filling(equation.params.get("fill_value"), out.dtype)
 
     def at(index: list[Place]) -> str:
-        batch = [index[axis] for axis in batch_axes]
-        window = {axis: index[offset] for axis, offset in zip(along, offsets, strict=True)}
-        text = source.at(_places(where, batch, window, paired, len(source.shape)))
-        guard = where.guard(batch)
+        text, guard = source.at(where.places(index)), where.guard(index)
         return text if guard is None else f"({guard} ? {text} : {filling})"
 
-    filling = _filling(params.get("fill_value"), out.dtype)
-    if where.known and where.guarded is None and isinstance(source, ArrayView):
-        even = _even(source, lambda index: _places(
-            where, [index[axis] for axis in batch_axes],
-            {axis: index[offset] for axis, offset in zip(along, offsets, strict=True)}, paired, len(source.shape),
-        ), out.shape)  # fmt: skip
+    if where.known is not None and where.inside is None and isinstance(source, ArrayView):
+        even = _even(source, where.places, out.shape)
         if even is not None:
             return [even]
-    return [Lazy(at, 0 if where.known else 1, out.shape, out.dtype)]
+    return [Lazy(at, 0 if where.known is not None else 1, out.shape, out.dtype)]
 
 
 def _even(source: ArrayView, places: Callable[[list[Place]], list[Place]], shape: tuple[int, ...]) -> ArrayView | None:
@@ -769,26 +669,14 @@ def _filling(value: Any, dtype: np.dtype) -> str:
 
 @rule("scatter", "scatter-add", "scatter_add", "scatter-mul", "scatter_mul", "scatter-min", "scatter_min",
       "scatter-max", "scatter_max", "scatter-sub", "scatter_sub")  # fmt: skip
-def _scatter(w: Writer, equation: Equation, values: list[Value], known: list[np.ndarray | None]) -> list[Value]:
-    (x, indices, change), params = values, equation.params
-    numbers = params["dimension_numbers"]
-    windows = list(map(int, numbers.update_window_dims))
-    inserted = (*map(int, numbers.inserted_window_dims), *map(int, numbers.operand_batching_dims))
-    along = [axis for axis in range(len(x.shape)) if axis not in inserted]
-    batch_axes = [axis for axis in range(len(change.shape)) if axis not in windows]
-    paired = dict(
-        zip(map(int, numbers.operand_batching_dims), map(int, numbers.scatter_indices_batching_dims), strict=True)
-    )
+def _scatter(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
+    x, indices, change = values
     result = w.copied(x)
     if 0 in change.shape:
         return [result]
-    size = {axis: change.shape[window_axis] for axis, window_axis in zip(along, windows, strict=True)}
-    most = {int(axis): x.shape[axis] - size.get(int(axis), 1) for axis in numbers.scatter_dims_to_operand_dims}
-    where = _Indices(w, equation, indices, known[1], most)
+    where = _Windows(w, equation, SCATTERED, change.shape, indices)
     loops, index = counters("i", change.shape)
-    batch = [index[axis] for axis in batch_axes]
-    window = {axis: index[window_axis] for axis, window_axis in zip(along, windows, strict=True)}
-    target = result.at(_places(where, batch, window, paired, len(x.shape)))
+    target, guard = result.at(where.places(index)), where.guard(index)
     update, kind = change.at(index), equation.name.removeprefix("scatter").strip("-_")
     if kind in ("min", "max"):
         call = w.helper(f"fx_{'' if x.dtype.kind == 'f' else 'i'}{kind}")
@@ -796,10 +684,5 @@ def _scatter(w: Writer, equation: Equation, values: list[Value], known: list[np.
     elif x.dtype.kind == "b" and kind:
         raise NotImplementedError("truth values that are added")
     sign = {"add": "+=", "sub": "-=", "mul": "*="}.get(kind, "=")
-    guard = where.guard(batch)
     w.add(f"{loops}{f'if ({guard}) ' if guard else ''}{target} {sign} {update};")
     return [result]
-
-
-# What is written otherwise where operands are constants.
-BY_CONSTANTS = frozenset(name for name, function in RULES.items() if function in (_gather, _scatter, _dot_general))

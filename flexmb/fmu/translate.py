@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ModelError
-from .flatten import Atom, Body, Equation, FlatProgram, flattened, origin_of, read_by
-from .primitives import BY_CONSTANTS, RULES
-from .writer import ArrayView, Compound, Place, Tables, Value, Writer, variable
+from .flatten import Atom, Body, Equation, flattened, origin_of, read_by
+from .primitives import RULES
+from .writer import ArrayView, Compound, Place, Tables, Value, Writer, c_type, variable
 
 RUNTIME = Path(__file__).with_name("runtime.c")
 # Longest expression; longer ones are stored, which keeps lines readable and compilers fast.
@@ -25,14 +25,12 @@ class Translated(NamedTuple):
         inputs: Names, shapes and types of its inputs; integers and truth values are int64_t.
         outputs: The same for its outputs.
         work: Length of the workspace: numbers (double) and integers (int64_t).
-        declaration: Declaration without semicolon.
     """
 
     name: str
     inputs: tuple[tuple[str, tuple[int, ...], np.dtype], ...]
     outputs: tuple[tuple[str, tuple[int, ...], np.dtype], ...]
     work: tuple[int, int]
-    declaration: str
 
 
 class Unit:
@@ -62,13 +60,13 @@ class Unit:
         program = flattened(function, *like)
         inputs = inputs or [f"a{i}" for i in range(len(program.block.inputs))]
         outputs = outputs or [f"r{i}" for i in range(len(program.block.outputs))]
-        w = Writer(self._tables)
-        emitter = _Emitter(w, program)
+        w = Writer(self._tables, program.constants)
+        emitter = _Emitter(w, program.block)
         arguments = []
         for argument, atom in zip(inputs, program.block.inputs, strict=True):
             view = w.new(atom.shape, atom.dtype)
             emitter.at[atom] = view
-            arguments.append(f"const {_kind(atom)} *{argument}")
+            arguments.append(f"const {c_type(atom.dtype)} *{argument}")
             w.add(f"(void){argument};")
             if 0 not in atom.shape:
                 w.store(view._replace(pool=argument, start=Place()), view)
@@ -79,7 +77,7 @@ class Unit:
         results = []
         for argument, atom in zip(outputs, program.block.outputs, strict=True):
             value = emitter.at[atom]
-            results.append(f"{_kind(atom)} *{argument}")
+            results.append(f"{c_type(atom.dtype)} *{argument}")
             w.add(f"(void){argument};")
             if 0 not in atom.shape:
                 w.store(value, w.new(atom.shape, atom.dtype)._replace(pool=argument, start=Place()))
@@ -88,29 +86,17 @@ class Unit:
         head = f"{'static ' if static else ''}void {name}({', '.join([*arguments, *results])}, double *w, int64_t *n)"
         body = "\n".join(calls)
         self._functions += [*functions, f"{head}\n{{\n(void)w;\n(void)n;\n{body}\n}}\n"]
-        sizes = w.sizes()
-        return Translated(
-            name,
-            tuple(
-                (argument, atom.shape, atom.dtype) for argument, atom in zip(inputs, program.block.inputs, strict=True)
-            ),
-            tuple(
-                (argument, atom.shape, atom.dtype)
-                for argument, atom in zip(outputs, program.block.outputs, strict=True)
-            ),
-            (sizes["w"], sizes["n"]),
-            head.removeprefix("static "),
+        of_inputs, of_outputs = (
+            tuple((argument, atom.shape, atom.dtype) for argument, atom in zip(names, atoms, strict=True))
+            for names, atoms in ((inputs, program.block.inputs), (outputs, program.block.outputs))
         )
+        return Translated(name, of_inputs, of_outputs, w.sizes())
 
     def source(self) -> str:
         """The text of the file."""
         head, *helpers = _runtime(self._helpers)
         code = "\n".join([*helpers, *self._functions])
         return f"{head}\n{self._tables.completed(code)}"
-
-
-def _kind(atom: Atom) -> str:
-    return "double" if atom.dtype.kind == "f" else "int64_t"
 
 
 def _runtime(helper_names: dict[str, None]) -> list[str]:
@@ -127,11 +113,11 @@ def _runtime(helper_names: dict[str, None]) -> list[str]:
 class _Emitter:
     """Writes equations one after another; ``at`` is each value."""
 
-    def __init__(self, w: Writer, program: FlatProgram):
-        self.w, self.known = w, program.constants
-        self.at: dict[Atom, Value] = {atom: w.tables.value(array) for atom, array in program.constants.items()}
+    def __init__(self, w: Writer, program: Body):
+        self.w = w
+        self.at: dict[Atom, Value] = {atom: w.tables.value(array) for atom, array in w.constants.items()}
         self.uses: dict[Atom, int] = {}
-        self._count(program.block)
+        self._count(program)
 
     def _count(self, block: Body) -> None:
         for equation in block.equations:
@@ -161,11 +147,9 @@ class _Emitter:
         if equation.blocks:
             return {"scan": self._scan, "while": self._while, "cond": self._cond}[equation.name](equation, values)
         try:
-            translate = RULES[equation.name] if equation.name in RULES else _unknown
-            if equation.name in BY_CONSTANTS:
-                known = [self.known.get(atom) for atom in equation.inputs]
-                return translate(self.w, equation, values, known)
-            return translate(self.w, equation, values)
+            if equation.name not in RULES:
+                raise NotImplementedError
+            return RULES[equation.name](self.w, equation, values)
         except NotImplementedError as fault:
             about = f" of {fault}" if fault.args else ""
             raise ModelError(
@@ -243,10 +227,6 @@ class _Emitter:
             sections.append((f"{'} else ' if i else ''}{ask}{{", inside))
         self.w.add(Compound(sections, "}"))
         return list(results)
-
-
-def _unknown(*_: Any) -> list[Value]:
-    raise NotImplementedError
 
 
 def _row(view: ArrayView, place: Place) -> ArrayView:

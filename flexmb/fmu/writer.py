@@ -2,7 +2,7 @@
 
 import contextlib
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -64,6 +64,19 @@ class ArrayView(NamedTuple):
         """An entry as a C expression."""
         return f"{self.pool}[{self.place(index)}]"
 
+    def by_axes(self, axes: Sequence[int | None], shape: tuple[int, ...]) -> "ArrayView":
+        """An array of another shape: the place of each axis in it, None for the first entry."""
+        strides = [0] * len(shape)
+        for axis, stride in zip(axes, self.strides, strict=True):
+            if axis is not None:
+                strides[axis] = stride
+        return self._replace(strides=tuple(strides), shape=shape)
+
+    def part(self, starts: Sequence[Place], shape: tuple[int, ...], steps: Sequence[int] | None = None) -> "ArrayView":
+        """A part from a place on, in steps along each axis, which may be negative."""
+        strides = [stride * step for stride, step in zip(self.strides, steps or [1] * len(shape), strict=True)]
+        return self._replace(start=self.place(list(starts)), strides=tuple(strides), shape=shape)
+
     @property
     def cost(self) -> int:
         """No operations."""
@@ -82,6 +95,20 @@ class Lazy(NamedTuple):
     cost: int
     shape: tuple[int, ...]
     dtype: np.dtype
+
+    def by_axes(self, axes: Sequence[int | None], shape: tuple[int, ...]) -> "Lazy":
+        """As :meth:`ArrayView.by_axes`."""
+        return self._replace(
+            at=lambda index: self.at([Place() if axis is None else index[axis] for axis in axes]), shape=shape
+        )
+
+    def part(self, starts: Sequence[Place], shape: tuple[int, ...], steps: Sequence[int] | None = None) -> "Lazy":
+        """As :meth:`ArrayView.part`."""
+        places = list(zip(starts, steps or [1] * len(shape), strict=True))
+        return self._replace(
+            at=lambda index: self.at([start + i * step for (start, step), i in zip(places, index, strict=True)]),
+            shape=shape,
+        )
 
 
 Value = ArrayView | Lazy
@@ -113,6 +140,12 @@ def even_strides(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
     return (first, tuple(strides)) if np.array_equal(np.broadcast_to(grown, numbers.shape), numbers) else None
 
 
+def transposed(value: Value, order: Sequence[int]) -> Value:
+    """The same numbers with axes in another order."""
+    axes = [order.index(axis) for axis in range(len(order))]
+    return value.by_axes(axes, tuple(value.shape[axis] for axis in order))
+
+
 def reshaped(view: ArrayView, shape: tuple[int, ...]) -> ArrayView | None:
     """The same numbers in another shape; None if that needs more than one stride an axis."""
     if 0 in shape:
@@ -139,6 +172,11 @@ def reshaped(view: ArrayView, shape: tuple[int, ...]) -> ArrayView | None:
     return view._replace(shape=shape, strides=tuple(reversed(strides)))
 
 
+def c_type(dtype: np.dtype) -> str:
+    """Type of a number in C."""
+    return "double" if dtype.kind == "f" else "int64_t"
+
+
 def literal(value: Any, dtype: np.dtype) -> str:
     """A constant in C."""
     if dtype.kind != "f":
@@ -158,7 +196,7 @@ def literal(value: Any, dtype: np.dtype) -> str:
 STATEMENTS = 50
 # Number of zeros in a table from which on they are skipped.
 ZEROS = 4
-MARK = re.compile(r"\{@(\d+)\+(\d+)\}|\{@(\d+)(-\d+)\}")
+MARK = re.compile(r"\{@(\d+)([+-]\d+)\}")
 TABLE = re.compile(r"\{@([KI]\d+)([+-]\d+)\}")
 
 
@@ -186,14 +224,8 @@ class Tables:
         if not array.size or all(_same(array, axis) for axis in range(array.ndim)):
             text = literal(array.flat[0], dtype) if array.size else "0"
             return Lazy(lambda index: text, 0, shape, dtype)
-        even = even_strides(array) if dtype.kind in "iu" else None
-        if even is not None:
-            start, strides = even
-
-            def grown(index: list[Place]) -> str:
-                return f"({ArrayView('', Place(start), strides, shape, dtype).place(index)})"
-
-            return Lazy(grown, 0, shape, dtype)
+        if dtype.kind in "iu" and even_strides(array) is not None:
+            return Lazy(lambda index: f"({self.integer(array, index)})", 0, shape, dtype)
         # Axes along which nothing changes are not written out.
         moving = [axis for axis, n in enumerate(shape) if n > 1 and not _same(array, axis)]
         short = array[tuple(slice(None) if axis in moving else slice(0, 1) for axis in range(array.ndim))]
@@ -201,6 +233,12 @@ class Tables:
         short_strides = compact(short.shape)
         strides = tuple(short_strides[axis] if axis in moving else 0 for axis in range(array.ndim))
         return ArrayView(pool, self.start(pool, short), strides, shape, dtype)
+
+    def integer(self, array: np.ndarray, index: list[Place]) -> Place:
+        """An entry of an array of integers as a place."""
+        if even := even_strides(array):
+            return ArrayView("", Place(even[0]), even[1], array.shape, array.dtype).place(index)
+        return variable(self.value(array).at(index))
 
     def start(self, pool: str, array: np.ndarray) -> Place:
         """Place of an array in a table, "K" of numbers or "I" of integers."""
@@ -258,10 +296,13 @@ def _same(array: np.ndarray, axis: int) -> bool:
 
 
 class Writer:
-    """Statements in order, and their buffers; ``helpers`` are called functions of ``runtime.c``."""
+    """Statements in order, and their buffers; ``helpers`` are called functions of ``runtime.c``.
 
-    def __init__(self, tables: Tables):
-        self.tables = tables
+    ``constants`` are the numbers of operands that are known.
+    """
+
+    def __init__(self, tables: Tables, constants: Mapping[Any, np.ndarray]):
+        self.tables, self.constants = tables, constants
         self.helpers: dict[str, None] = {}
         self.statements: list[Statement] = []
         self._buffers: list[tuple[str, int]] = []
@@ -305,21 +346,29 @@ class Writer:
         """An array in memory, where it is or in a new buffer."""
         return value if isinstance(value, ArrayView) else self.copied(value)
 
+    def in_shape(self, value: Value, shape: tuple[int, ...]) -> Value:
+        """The same numbers in another shape."""
+        longer = [axis for axis, n in enumerate(shape) if n != 1]
+        if [shape[axis] for axis in longer] == [n for n in value.shape if n != 1]:
+            remaining = iter(longer)
+            return value.by_axes([next(remaining) if n != 1 else None for n in value.shape], shape)
+        view = self.stored(value)
+        return reshaped(view, shape) or self.copied(view)._replace(strides=compact(shape), shape=shape)
+
     def cheap(self, value: Value) -> Value:
         """An array that may be read repeatedly without cost."""
         return self.copied(value) if value.cost else value
 
-    def sizes(self) -> dict[str, int]:
-        """Lengths of the workspace."""
-        return {pool: max(1, size) for pool, size in self._sizes.items()}
+    def sizes(self) -> tuple[int, int]:
+        """Lengths of the workspace, of numbers and of integers."""
+        return max(1, self._sizes["w"]), max(1, self._sizes["n"])
 
     def text(self, name: str) -> tuple[list[str], list[str]]:
         """Functions for all statements, with names that begin with ``name``, and lines that call them."""
         starts = self._placed()
 
         def put(match: re.Match) -> str:
-            buffer, constant = (match[1], match[2]) if match[1] else (match[3], match[4])
-            return str(starts[int(buffer)] + int(constant))
+            return str(starts[int(match[1])] + int(match[2]))
 
         functions: list[str] = []
 
@@ -371,7 +420,7 @@ class Writer:
         def seen(text: str) -> None:
             nonlocal count
             for match in MARK.finditer(text):
-                lives.setdefault(int(match[1] or match[3]), [count, count])[1] = count
+                lives.setdefault(int(match[1]), [count, count])[1] = count
             count += 1
 
         visit(self.statements)
