@@ -1940,9 +1940,7 @@ FAULTS = [
         "        pass\n",
         "linear/test_loose.py -k neither_mass",
     ),
-    Fault(
-        "fmu/nonlinear.py", "if massless := without_mass(model):", "if massless := '':", "linear/test_loose.py -k unit"
-    ),
+    Fault("fmu/plant.py", "if massless := without_mass(model):", "if massless := '':", "linear/test_loose.py -k unit"),
     Fault(
         "motion/step_control.py",
         "fixed = jax.lax.stop_gradient((t0, t1))",
@@ -3826,7 +3824,7 @@ FAULTS = [
         "fmu/test_save.py -k own_integrator",
     ),
     Fault("fmu/nonlinear.c", "&& passes_over(unit, t, step, x, to)", "&& 0", "fmu/test_save.py -k stop"),
-    Fault("fmu/nonlinear.py", "#define BENDS {int(bends)}", "#define BENDS 0", "fmu/test_save.py -k stop"),
+    Fault("fmu/plant.py", "#define BENDS {int(bends)}", "#define BENDS 0", "fmu/test_save.py -k stop"),
     Fault("mechanics/loads.py", '"save_fmu": "Build', '"plant": "Build', "fmu/test_save.py -k stop"),
     Fault("fmu/save.py", "np.ones(1)", "np.zeros(1)", "fmu/test_save.py -k large"),
     Fault(

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jax.extend.core import ClosedJaxpr, Jaxpr, Literal
+from jax.extend.core import ClosedJaxpr, Jaxpr, Literal, jaxprs_in_params
 
 from ..compilation.compile import QUICK
 from ..compilation.threads import one_thread
@@ -287,23 +287,18 @@ def _meaning(params: dict[str, Any]) -> Any:
     return key
 
 
-def _programs(jaxpr: Jaxpr) -> Iterator[Any]:
+def _equations_within(jaxpr: Jaxpr) -> Iterator[Any]:
     """All equations, also of inner programs."""
     for equation in jaxpr.eqns:
         yield equation
-        for parameter in jax.tree.leaves(list(equation.params.values()), is_leaf=_is_program):
-            if _is_program(parameter):
-                yield from _programs(getattr(parameter, "jaxpr", parameter))
-
-
-def _is_program(value: Any) -> bool:
-    return isinstance(value, ClosedJaxpr | Jaxpr)
+        for inner in jaxprs_in_params(equation.params):
+            yield from _equations_within(inner)
 
 
 def refuse_callbacks(jaxpr: Jaxpr) -> None:
     """Raise ModelError with the names of Python functions that a program calls."""
     callbacks: dict[str, None] = {}
-    for equation in _programs(jaxpr):
+    for equation in _equations_within(jaxpr):
         if "callback" in equation.primitive.name:
             called = equation.params.get("callback")
             called = getattr(called, "callback_func", called)

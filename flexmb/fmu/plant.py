@@ -2,19 +2,32 @@
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
+import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Array
 
 from ..arguments import numbers, short_repr
+from ..control.nonlinear_system import FARTHEST, FINER, STEP, freedoms_in_memory, memory_at_start, plant_rates
 from ..control.state_space import state_matrices
 from ..display import unit_of
-from ..errors import ModelError, printable
+from ..errors import AnalysisError, ModelError, printable
 from ..linear.about import asked_about
 from ..linear.linearize import Linearization
+from ..linear.loose import without_mass
+from ..mechanics.loads import warn_of_increment
 from ..model.model import Model
+from ..motion.coordinates_form import coordinates_form
+from ..motion.drives_by_name import Drives, driven_by
+from ..motion.kinks import kinks_of
+from ..motion.loop import check_signals
+from ..numerical_limits import DEPENDENT_FOUND
+from ..results import RESULTS
 from ..trajectory.linear_along import TimeVarying
-from .nonlinear import plant as translated
+from .translate import Unit
+from .writer import c_array, c_numbers
 
 # Typical size of a state, for the importer's error control: a millimetre for a mechanism, 1 for an unknown system.
 NOMINAL_OF_MECHANISM = 1e-3
@@ -23,6 +36,7 @@ FORBIDDEN = "[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]"
 # Quantity of a unit.
 MOTION_OF = {"m": "Displacement", "rad": "Rotation"}
 UNDEFORMED = "the undeformed mechanism"
+STEPS = Path(__file__).with_name("plant_steps.c")
 
 
 class Variable(NamedTuple):
@@ -151,11 +165,44 @@ def units_of(model: Model, names: Sequence[str]) -> dict[str, str]:
 def nonlinear(
     model: Model, loads: Mapping[str, Callable] | None = None, motion: Mapping[str, Callable] | None = None
 ) -> Plant:
-    """Nonlinear plant of a mechanism in C, from the builder's start values, or undeformed and at rest."""
-    translation = translated(model, loads=loads, motion=motion)
-    inputs, outputs, states = _variables(model, translation.states, np.asarray(model.parameters.reference), UNDEFORMED)
-    memory = np.asarray(translation.memory).tolist()
-    plant = Plant(inputs, outputs, states, source=translation.source, memory=memory, work=translation.work)
+    """Nonlinear plant of a mechanism in C, from the builder's start values, or undeformed and at rest.
+
+    States are the degrees of freedom from the undeformed mechanism and their rates. The search for the dependent
+    coordinates starts from the last call, with up to twice three steps of Newton's method; over a long way it takes
+    steps of the degrees of freedom. Its memory starts from all coordinates and deformations at the builder's start
+    (THEORY.md 5, eq. (5.2), 9 (a), and 14, eq. (14.55)).
+    """
+    warn_of_increment(model, "save_fmu")
+    check_signals(model, "A plant")
+    if massless := without_mass(model):
+        raise AnalysisError("singular_mass", f"{RESULTS.singular_mass.message} {massless}")
+    driven = driven_by(model, Drives(loads=loads, motion=motion))
+    nameless, topology = model.without_names(), model.topology
+    n_q, memory, freedoms = topology.n_q, memory_at_start(model), freedoms_in_memory(model)
+
+    def rates(t: Array, x: Array, u: Array, memory: Array):
+        return plant_rates(nameless, driven, t, x, memory, u)
+
+    like = jnp.zeros(()), jnp.zeros(2 * n_q), jnp.zeros(len(model.labels.inputs)), jnp.asarray(memory)
+    unit = Unit()
+    arguments, results = ("t", "x", "u", "memory"), ("xdot", "y", "next", "gap")
+    w, n = unit.add("plant_rates", rates, like, arguments, results, static=True).work
+    bends = kinks_of(coordinates_form(topology, model.parameters, driven)) is not None
+    limits = {"WORK": w, "MEMORY": memory.size, "X": 2 * n_q, "Q": n_q}
+    limits |= {"FOUND": DEPENDENT_FOUND, "STEP": STEP, "FARTHEST": FARTHEST, "FINER": FINER}
+    source = [
+        unit.source(),
+        f"/* Whether laws may have kinks, which are then looked for within steps. */\n#define BENDS {int(bends)}",
+        c_array("int", "DOF_AT", [str(place) for place in freedoms.places]),
+        c_numbers("DOF_FROM", freedoms.origins),
+        c_numbers("DOF_SIZE", freedoms.sizes),
+        *(f"#define PLANT_{name} {value!r}" for name, value in limits.items()),
+        STEPS.read_text(encoding="utf-8"),
+    ]
+    states = [*model.q_labels, *(f"d {name}" for name in model.q_labels)]
+    signals = _variables(model, states, np.asarray(model.parameters.reference), UNDEFORMED)
+    work = w + 2 * memory.size + 2 * n_q + n
+    plant = Plant(*signals, source="\n".join(source), memory=memory.tolist(), work=work)
     at = model.parameters.start
     return plant if at is None else started(plant, np.concatenate(at).tolist())
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import uuid
 import zipfile
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -29,6 +29,7 @@ from ..trajectory.linear_along import TimeVarying
 from . import plant as plants
 from .description import Placed, build_description, check_unique_names, description, ordered_variables, scalars
 from .plant import Plant, Variable
+from .writer import c_array, c_numbers
 
 SYSTEMS = {"linux": ("linux", ".so"), "darwin": ("darwin", ".dylib"), "win32": ("windows", ".dll")}
 PROCESSORS = {"amd64": "x86_64", "x86_64": "x86_64", "arm64": "aarch64", "aarch64": "aarch64"}
@@ -131,30 +132,16 @@ def _data(plant: Plant, variables: list[Placed], token: str, fmi: int, settable:
     lines += [f'#define TOKEN "{token}"', f'#define TABLE_FILE "{TABLE_FILE}"']
     # Without arrays one entry with an unused reference.
     at, sizes = [entry.reference for entry in arrays], [np.size(entry.variable.start) for entry in arrays]
-    lines += [_array("unsigned int", "ARRAY_AT", map(str, at or [4294967295]))]
-    lines += [_array("size_t", "ARRAY_SIZE", map(str, sizes or [0]))]
+    lines += [c_array("unsigned int", "ARRAY_AT", [str(place) for place in at or [4294967295]])]
+    lines += [c_array("size_t", "ARRAY_SIZE", [str(size) for size in sizes or [0]])]
     # Without displacements one unused entry: C has no empty arrays.
-    lines += [_array("size_t", "ABSOLUTE_OF", map(str, plant.displacements or [0]))]
-    lines += [_numbers("ABSOLUTE_FROM", [plant.outputs[i].origin for i in plant.displacements] or [0.0])]
-    lines += [_numbers("NOMINAL", [v.nominal for v in plant.states])]
-    lines += [_numbers("START", np.concatenate([*starts, np.ravel(plant.memory)]))]
+    lines += [c_array("size_t", "ABSOLUTE_OF", [str(i) for i in plant.displacements or [0]])]
+    lines += [c_numbers("ABSOLUTE_FROM", [plant.outputs[i].origin for i in plant.displacements] or [0.0])]
+    lines += [c_numbers("NOMINAL", [v.nominal for v in plant.states])]
+    lines += [c_numbers("START", np.concatenate([*starts, np.ravel(plant.memory)]))]
     if n_t > 1:
-        lines += [_numbers("TIMES", plant.times)]
+        lines += [c_numbers("TIMES", plant.times)]
     return "\n".join(lines) + "\n"
-
-
-def _numbers(name: str, values: Any) -> str:
-    return _array("double", name, (repr(float(value)) for value in values))
-
-
-def _array(kind: str, name: str, values: Iterable[str]) -> str:
-    words, lines, line = list(values), [], ""
-    for word in words:
-        if len(line) + len(word) > 110:
-            lines.append(line)
-            line = ""
-        line += f"{word}, "
-    return f"static const {kind} {name}[{len(words)}] = {{\n" + "\n".join([*lines, line]).rstrip(", ") + "\n};"
 
 
 # Most numbers of matrices that are parameters. FMI 2.0 lists each number.

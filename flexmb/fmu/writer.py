@@ -177,6 +177,21 @@ def c_type(dtype: np.dtype) -> str:
     return "double" if dtype.kind == "f" else "int64_t"
 
 
+def c_array(kind: str, name: str, words: Sequence[str], count: int | None = None) -> str:
+    """Definition of a constant array in C, of as many entries as words, or of a count of which some are left out."""
+    lines = [""]
+    for word in words:
+        if len(lines[-1]) + len(word) > 110:
+            lines.append("")
+        lines[-1] += f"{word}, "
+    return f"static const {kind} {name}[{count or len(words)}] = {{\n" + "\n".join(lines).rstrip(", ") + "\n};"
+
+
+def c_numbers(name: str, values: Any) -> str:
+    """Definition of a constant array of numbers in C."""
+    return c_array("double", name, [repr(float(value)) for value in values])
+
+
 def literal(value: Any, dtype: np.dtype) -> str:
     """A constant in C."""
     if dtype.kind != "f":
@@ -263,18 +278,10 @@ class Tables:
             return str(starts[name] + int(match[2]))
 
         code = TABLE.sub(put, code)
-        tables = ""
-        for pool, kind in (("K", "double"), ("I", "int64_t")):
-            lines, line = [], ""
-            for word in _words(numbers[pool]):
-                if len(line) + len(word) > 110:
-                    lines.append(line)
-                    line = ""
-                line += f"{word}, "
-            if line:
-                head = f"static const {kind} {pool}[{len(numbers[pool])}] = {{"
-                tables += "\n".join([head, *lines, line, "};\n"])
-        return tables + code
+        for pool, kind in (("I", "int64_t"), ("K", "double")):
+            if words := list(_words(numbers[pool])):
+                code = c_array(kind, pool, words, len(numbers[pool])) + "\n" + code
+        return code
 
 
 def _words(numbers: list[str]) -> Iterator[str]:
