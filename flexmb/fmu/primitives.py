@@ -176,12 +176,10 @@ def _convert(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
     if new.kind == "f":
         return mapped(w, equation, values, lambda x: f"(double){x}")
     if x.dtype.kind == "f":
-        bounds = np.iinfo(new)
-        low = "INT64_MIN" if bounds.min == -(2**63) else f"INT64_C({bounds.min})"
-        text = f"{w.helper('fx_whole')}({{}}, {low}, INT64_C({bounds.max}))"
-        return mapped(w, equation, values, text.format)
-    bounds, old = np.iinfo(new), np.iinfo(x.dtype)
-    if bounds.min <= old.min and old.max <= bounds.max:
+        low, high = (literal(bound, new) for bound in bounds(new))
+        return mapped(w, equation, values, f"{w.helper('fx_whole')}({{}}, {low}, {high})".format)
+    (low, high), (old_low, old_high) = bounds(new), bounds(x.dtype)
+    if low <= old_low and old_high <= high:
         return [x._replace(dtype=new)]
     return mapped(w, equation, values, lambda x: wrapped(new, x))
 
@@ -305,27 +303,26 @@ def _pad(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
 
 # Sums and products
 
-STARTS = {"sum": "0", "prod": "1", "or": "0", "and": "1", "xor": "0"}
+# Start values and operators.
+OPERATORS = {"sum": ("0", "+"), "prod": ("1", "*"), "or": ("0", "|"), "and": ("1", "&"), "xor": ("0", "^")}
+
+
+def bounds(dtype: np.dtype) -> tuple[Any, Any]:
+    """Least and largest number of a type."""
+    if dtype.kind in "fb":
+        return (-np.inf, np.inf) if dtype.kind == "f" else (0, 1)
+    return np.iinfo(dtype).min, np.iinfo(dtype).max
 
 
 def _combined(w: Writer, kind: str, dtype: np.dtype) -> tuple[str, Callable[[str, str], str]]:
     """Start value of a reduction, and the expression that combines two numbers."""
-    decimal = dtype.kind == "f"
     if kind in ("max", "min"):
-        if decimal:
-            start = "-INFINITY" if kind == "max" else "INFINITY"
-        else:
-            bounds = np.iinfo(dtype) if dtype.kind in "iu" else None
-            bound = 0 if bounds is None else bounds.min if kind == "max" else bounds.max
-            start = "INT64_MIN" if bound == -(2**63) else f"INT64_C({1 if bounds is None and kind == 'min' else bound})"
-        call = w.helper(f"fx_{'' if decimal else 'i'}{kind}")
-        return start, lambda a, b: f"{call}({a}, {b})"
-    sign = {"sum": "+", "prod": "*", "or": "|", "and": "&", "xor": "^"}[kind]
-    if kind == "and" and dtype.kind in "iu":
-        return "-1", lambda a, b: f"({a} & {b})"
+        call = w.helper(f"fx_{'' if dtype.kind == 'f' else 'i'}{kind}")
+        return literal(bounds(dtype)[kind == "min"], dtype), lambda a, b: f"{call}({a}, {b})"
+    start, sign = OPERATORS[kind]
     if dtype.kind in "iu" and sign in "+*":
-        return STARTS[kind], lambda a, b: wrapped(dtype, f"(uint64_t){a} {sign} (uint64_t){b}")
-    return STARTS[kind], lambda a, b: f"({a} {sign} {b})"
+        return start, lambda a, b: wrapped(dtype, f"(uint64_t){a} {sign} (uint64_t){b}")
+    return "-1" if kind == "and" and dtype.kind in "iu" else start, lambda a, b: f"({a} {sign} {b})"
 
 
 def reduced(w: Writer, x: Value, axes: tuple[int, ...], kind: str) -> Value:
@@ -407,9 +404,7 @@ def _sparse(
     rows, columns = array.shape[: array.ndim - summed], array.shape[array.ndim - summed :]
     table = array.reshape(int(np.prod(rows, dtype=int)), -1)
     row, column = np.nonzero(table)
-    steps = np.zeros(columns, np.int64)
-    for axis, stride in enumerate(other.strides[len(other.strides) - summed :]):
-        steps += np.arange(columns[axis]).reshape([-1 if i == axis else 1 for i in range(summed)]) * stride
+    steps = np.tensordot(other.strides[len(other.strides) - summed :], np.indices(columns), 1)
     ends = w.tables.start("I", np.searchsorted(row, np.arange(len(table) + 1)))
     places, numbers = w.tables.start("I", steps.ravel()[column]), w.tables.start("K", table[row, column])
     product = w.new(out.shape, out.dtype)
@@ -657,14 +652,9 @@ def _even(source: ArrayView, places: Callable[[list[Place]], list[Place]], shape
 
 
 def _filling(value: Any, dtype: np.dtype) -> str:
-    if value is not None:
-        return literal(value, dtype)
-    if dtype.kind == "f":
-        return "NAN"
-    if dtype.kind == "b":
-        return "1"
-    bounds = np.iinfo(dtype)
-    return literal(bounds.max if dtype.kind == "u" else bounds.min, dtype)
+    if value is None:
+        value = np.nan if dtype.kind == "f" else bounds(dtype)[dtype.kind in "ub"]
+    return literal(value, dtype)
 
 
 @rule("scatter", "scatter-add", "scatter_add", "scatter-mul", "scatter_mul", "scatter-min", "scatter_min",

@@ -128,16 +128,10 @@ def even_strides(numbers: np.ndarray) -> tuple[int, tuple[int, ...]] | None:
     if not numbers.size:
         return 0, (0,) * numbers.ndim
     first = int(numbers.flat[0])
-    strides = []
-    for axis, length in enumerate(numbers.shape):
-        place = [0] * numbers.ndim
-        place[axis] = 1
-        strides.append(int(numbers[tuple(place)]) - first if length > 1 else 0)
-    grown = first + sum(
-        (np.arange(length) * stride).reshape([-1 if i == axis else 1 for i in range(numbers.ndim)])
-        for axis, (length, stride) in enumerate(zip(numbers.shape, strides, strict=True))
-    )
-    return (first, tuple(strides)) if np.array_equal(np.broadcast_to(grown, numbers.shape), numbers) else None
+    seconds = [int(np.take(numbers, min(length, 2) - 1, axis).flat[0]) for axis, length in enumerate(numbers.shape)]
+    strides = tuple(second - first for second in seconds)
+    grown = first + np.tensordot(np.array(strides, int), np.indices(numbers.shape), 1)
+    return (first, strides) if np.array_equal(grown, numbers) else None
 
 
 def transposed(value: Value, order: Sequence[int]) -> Value:
