@@ -10,7 +10,7 @@ from ..checks.mobility import allowed_motions
 from ..linear.linearize import linearize
 from ..linear.spectrum import masses_of_motions
 from ..math.subspace import independent_rows
-from ..model.model import Entry, Model
+from ..model.model import Model
 from ..numerical_limits import MASSLESS_MOTION
 from .counts import Count
 
@@ -36,20 +36,15 @@ def mass_advice(model: Model) -> list[Advice]:
         return []
     values, motions = masses_of_motions(mass)
     light = np.asarray(lin.matrices.DFx) @ motions[:, np.abs(values) <= MASSLESS_MOTION]
+    inertia = INERTIA if model.labels.dimension == 2 else [INERTIA, "0", "0", INERTIA, "0", INERTIA]
+    calls = {"position": ("a mass", "mass", MASS), "rotation": ("rotary inertia", "inertia", inertia)}
     suggestions: list[Advice] = []
     for motion in light.T:
         entry = model.labels.x[int(np.argmax(np.abs(motion)))]
-        node = entry.of.removesuffix(".rotation")
-        inertia = INERTIA if model.labels.dimension == 2 else [INERTIA, "0", "0", INERTIA, "0", INERTIA]
-        if entry.kind == "position":
-            piece = {"text": f"Put a mass on node '{node}'", "ops": [_add("mass", node=node, mass=MASS)]}
-        elif entry.kind == "rotation":
-            ops = [_add("inertia", node=node, inertia=inertia)]
-            piece = {"text": f"Put rotary inertia on node '{node}'", "ops": ops}
-        else:
-            continue
-        if piece not in suggestions:
-            suggestions.append(piece)
+        if entry.kind in calls:
+            (what, call, value), node = calls[entry.kind], entry.of.removesuffix(".rotation")
+            piece = {"text": f"Put {what} on node '{node}'", "ops": [_add(call, node=node, **{call: value})]}
+            suggestions += [piece] if piece not in suggestions else []
     return suggestions[:AT_MOST]
 
 
@@ -108,7 +103,9 @@ def _determinations(dof_count: Count, items: list[dict[str, Any]]) -> list[Advic
     more = [model.labels.x[i] for i in x] + [model.labels.e[i] for i in e]
     if len(more) == n_missing and all(entry.kind in ("position", "rotation", "deformation") for entry in more):
         names = ", ".join(map(str, more))
-        suggestions.append({"text": f"Name {names} as degrees of freedom too", "ops": [_dof(entry) for entry in more]})
+        components = [str(entry.component) if entry.kind == "deformation" else entry.symbol for entry in more]
+        ops = [_add("dof", of=e.of, components=component) for e, component in zip(more, components, strict=True)]
+        suggestions.append({"text": f"Name {names} as degrees of freedom too", "ops": ops})
     labels = model.labels.x
     dependent = np.asarray(model.topology.x.dependent).tolist()
     free = [i for i in dependent if labels[i].kind == "position" or labels[i].symbol == "phi"]
@@ -118,11 +115,6 @@ def _determinations(dof_count: Count, items: list[dict[str, Any]]) -> list[Advic
         ops = [_add("fix", node=entry.of, components=entry.symbol) for entry in fixed]
         suggestions.append({"text": f"Fix {', '.join(map(str, fixed))}", "ops": ops})
     return suggestions
-
-
-def _dof(entry: Entry) -> dict[str, Any]:
-    component = str(entry.component) if entry.kind == "deformation" else entry.symbol
-    return _add("dof", of=entry.of, components=component)
 
 
 def _loose_suggestions(dof_count: Count, items: list[dict[str, Any]]) -> list[Advice]:

@@ -1,5 +1,6 @@
 """Edits that make new things from others: copy and repeat, join nodes, split an element, take a block apart."""
 
+import functools
 import re
 from collections.abc import Callable
 from typing import Any
@@ -30,14 +31,14 @@ def copy(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         )
     chosen, ids = selected(document, op["ids"]), []
     for k in range(1, count + 1):
-        distance = [text_product(str(k), text) for text in by]
-
-        def shifted(position: list[str], distance: list[str] = distance) -> list[str]:
-            return [plus(a, b) for a, b in zip(position, distance, strict=False)]
-
-        document, new = cloned(document, chosen, lambda item, to=shifted: with_position(item, to))
+        shifted = functools.partial(_shifted, [text_product(str(k), text) for text in by])
+        document, new = cloned(document, chosen, shifted)
         ids += new
     return document, Report(ids, [], "copy")
+
+
+def _shifted(distance: list[str], thing: dict[str, Any]) -> dict[str, Any]:
+    return with_position(thing, lambda position: [plus(a, b) for a, b in zip(position, distance, strict=False)])
 
 
 def with_position(thing: dict[str, Any], to: Callable[[list[str]], list[str]]) -> dict[str, Any]:
@@ -140,19 +141,15 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     if first == into:
         raise EditError("", f"Node '{printable(first)}' cannot be joined to itself.")
     made_by_block = id is not None and call_of(document.by_id[id]).makes != "node"  # pyright: ignore
-    items = []
-    for item in document.things:
-        if item["id"] == id and not made_by_block:
-            continue
-        items.append(
-            with_references(
-                item, known, lambda item_id, name: renamed_part(name, first, into) if item_id == id else None
-            )
-        )
+    others = [item for item in document.things if made_by_block or item["id"] != id]
+    follows = following({id: [(first, into)]} if id else {})
+    items = [with_references(item, known, follows) for item in others]
     lost = set()
-    for before, after in zip([t for t in document.things if made_by_block or t["id"] != id], items, strict=True):
+    for before, after in zip(others, items, strict=True):
         call = call_of(after)
-        ends = [name for key in ("nodes", "base", "stage") for name in _nonempty_texts(after["args"].get(key))]
+        values = [after["args"].get(key) for key in ("nodes", "base", "stage")]
+        names = [name for value in values for name in (value if isinstance(value, list) else [value])]
+        ends = [name for name in names if name and isinstance(name, str)]
         twice = call is not None and call.kind in ("element", "block") and len(set(ends)) < len(ends)
         if after is not before and (twice or _is_repeated(after, items)):
             lost.add(after["id"])
@@ -160,10 +157,6 @@ def join(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     also = [item["id"] for item in items if item["id"] in lost]
     remaining = [item for item in items if item["id"] not in lost]
     return document.with_things(remaining), Report([], also, f"join {first} into {into}")
-
-
-def _nonempty_texts(value: Any) -> list[str]:
-    return [text for text in (value if isinstance(value, list) else [value]) if text and isinstance(text, str)]
 
 
 def _is_repeated(item: dict[str, Any], items: list[dict[str, Any]]) -> bool:

@@ -211,16 +211,13 @@ def rename(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     known = document.known
     if call.makes == "node" and new in known.made:
         raise EditError(f"{id}/name", f"Node '{printable(new)}' exists already. Give each a different name.")
-    items = []
-    for other in document.things:
-        if other["id"] == id:
-            # Renamed before its references, so that a block's names of its own parts follow too.
-            other = {"id": id, "call": item["call"], "name": new, "args": item["args"]}
-        if old is not None:
-            other = with_references(
-                other, known, lambda item_id, name: renamed_part(name, old, new) if item_id == id else None
-            )
-        items.append(other)
+
+    def follows(item_id: str, name: str) -> str | None:
+        return renamed_part(name, old, new) if item_id == id and old is not None else None
+
+    # Renamed before its references, so that a block's names of its own parts follow too.
+    another = {"id": id, "call": item["call"], "name": new, "args": item["args"]}
+    items = [with_references(another if other is item else other, known, follows) for other in document.things]
     return document.with_things(items), Report([], [], f"rename {old or call.entry['title']} to {new}")
 
 

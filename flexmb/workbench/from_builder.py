@@ -42,7 +42,10 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
         if names:
             raise TypeError("Names need a function that builds a mechanism from them, such as edit(function, t=1e-3).")
         known = Calls(_builder_in(source))
-        left_out = known.left_out + _changes_without_call(known.builder) + _settings_of(source) + _names_of(source)
+        left_out = known.left_out + _changes_without_call(known.builder) + _settings_of(source)
+        if isinstance(source, SpacarModel) and source.parameters:
+            lost = f"names {printable(', '.join(source.parameters))} of {printable(source.name)}"
+            left_out.append(f"{lost}, which became numbers: open the file itself to keep them")
         return _document(source, known, list(map(number_text, known.numbers)), {}, title), left_out
     entries = {name: _named(name, value) for name, value in (names or {}).items()}
     floats = {name: float(value[0]) for name, value in entries.items() if value is not None}
@@ -158,14 +161,6 @@ def _settings_of(source: Any) -> list[str]:
     return [
         f"{printable(name)} of {printable(source.name)}: it belongs to an analysis or a drawing" for name in keywords
     ]
-
-
-def _names_of(source: Any) -> list[str]:
-    """Names in the braces of a file that was read with numbers instead."""
-    if not isinstance(source, SpacarModel) or not source.parameters:
-        return []
-    names = printable(", ".join(source.parameters))
-    return [f"names {names} of {printable(source.name)}, which became numbers: open the file itself to keep them"]
 
 
 def _title(source: Any) -> str:

@@ -20,13 +20,11 @@ CURVATURE = {2: (-1,), 3: (-1, -1, 1)}
 def scalars_of(member: Member) -> dict[str, np.ndarray]:
     """Numbers of an element's geometry that may change sign: arguments of its deformation without directions."""
     arguments = member.element.of_deformation(member.properties)
+    others = ("section", "clamped", "clamp")
     return {
         key: np.asarray(value, float)
         for key, value in arguments.items()
-        if value is not None
-        and key != "y"
-        and not key.startswith("axis")
-        and key not in ("section", "clamped", "clamp")
+        if value is not None and key not in others and not _is_direction(key)
     }
 
 
@@ -58,7 +56,7 @@ def mirror_signs(
     properties, scalars = element.of_deformation(member.properties), scalars_of(member)
     fixed = {key: value for key, value in properties.items() if key not in scalars}
     turned = {
-        key: _turned(np.asarray(v, float), axis, y_turns and key == "y") if _is_direction(key, v) else v
+        key: v if v is None or not _is_direction(key) else _turned(np.asarray(v, float), axis, y_turns and key == "y")
         for key, v in fixed.items()
     }
     if d == 3 and "y" in properties and properties["y"] is None:
@@ -85,8 +83,8 @@ def mirror_signs(
     return None
 
 
-def _is_direction(key: str, value: Any) -> bool:
-    return value is not None and (key == "y" or key.startswith("axis"))
+def _is_direction(key: str) -> bool:
+    return key == "y" or key.startswith("axis")
 
 
 def _turned(vector: np.ndarray, axis: int, turns: bool) -> np.ndarray:
@@ -105,7 +103,7 @@ def _coordinates(x: np.ndarray, kind: Any, axis: int) -> np.ndarray:
 
 def _deformation(element: Element) -> Callable[..., np.ndarray]:
     """Deformations of an element as a function of its state, its reference and its properties."""
-    options = {key: value for key, value in element.alone().options.items()}
+    options = dict(element.alone().options)
     angle_options = {"near": np.zeros(64)} if element.tracks_angle else {}
 
     @jit

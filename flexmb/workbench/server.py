@@ -121,6 +121,8 @@ def written(message: dict[str, Any]) -> str:
 
 
 LOOPBACK = "127.0.0.1"
+# A Host header that names this machine; a tunnel may have another port.
+LOCAL_HOST = re.compile(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", re.ASCII | re.IGNORECASE)
 # Number of kept replies to one page, for requests that are sent again after a lost connection, and of such pages.
 MOST_REPLIES = 200
 MOST_PAGES = 50
@@ -164,7 +166,7 @@ class Server:
         # Requests change the session here, one after the other. The event loop only passes them on.
         self._desk = ThreadPoolExecutor(1, "flexmb desk")
         self._beside = ThreadPoolExecutor(2, "flexmb beside")
-        self._thread = threading.Thread(target=self._run, name="flexmb workbench", daemon=True)
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), name="flexmb workbench", daemon=True)
         self._ready = threading.Event()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ended: asyncio.Event | None = None
@@ -197,9 +199,6 @@ class Server:
             # A closed loop raises.
             with contextlib.suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(self._push, key, text)
-
-    def _run(self) -> None:
-        asyncio.run(self._serve())
 
     async def _serve(self) -> None:
         from websockets.asyncio.server import serve
@@ -236,7 +235,7 @@ class Server:
     def _request(self, connection: Any, request: Any) -> Any:
         """Answer a request for a file, refuse a wrong one, or let the socket open (None)."""
         hosts, path = request.headers.get_all("Host"), request.path.partition("?")[0]
-        if len(hosts) != 1 or not _is_local_host(hosts[0]):
+        if len(hosts) != 1 or not LOCAL_HOST.fullmatch(hosts[0]):
             return self._refusal(connection, 403, "The host is wrong. Use 127.0.0.1 or localhost.")
         token, _, name = path.removeprefix("/").partition("/")
         if not hmac.compare_digest(token.encode(), self.token.encode()):
@@ -257,12 +256,9 @@ class Server:
         from websockets.datastructures import Headers
         from websockets.http11 import Response
 
-        headers = Headers(HEADERS)
-        headers["Content-Security-Policy"] = self._policy
-        headers["Content-Type"] = f"{kind}; charset=utf-8"
-        headers["Content-Length"] = str(len(body))
-        headers["Connection"] = "close"
-        return Response(status, http.HTTPStatus(status).phrase, headers, body)
+        headers = {"Content-Security-Policy": self._policy, "Content-Type": f"{kind}; charset=utf-8"}
+        headers |= {"Content-Length": str(len(body)), "Connection": "close"}
+        return Response(status, http.HTTPStatus(status).phrase, Headers(HEADERS | headers), body)
 
     async def _connected(self, connection: Any) -> None:
         from websockets.exceptions import ConnectionClosed
@@ -347,8 +343,3 @@ def _listening(port: int) -> socket.socket:
         listener.close()
         raise
     return listener
-
-
-def _is_local_host(host: str) -> bool:
-    """Whether a Host header names this machine; a tunnel may have another port."""
-    return re.fullmatch(r"(127\.0\.0\.1|localhost)(:\d{1,5})?", host, re.ASCII | re.IGNORECASE) is not None

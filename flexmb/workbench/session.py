@@ -13,7 +13,7 @@ from typing import Any
 
 from .. import __version__
 from ..errors import ModelError, printable
-from .building import Built, build, numeric_values, positions
+from .building import build, numeric_values, positions
 from .compare import Pinned, differences
 from .document import Document, Report
 from .fields import catalogue
@@ -90,13 +90,12 @@ class Session:
         self.file = OpenFile(self.history, place, self.tell, self._lock)
         self.file.settled = self._tell_changes
         self._listeners: list[Callable[[dict[str, Any]], None]] = []
-        self._built: tuple[Document, Built] | None = None
         self._agreed: set[str] = set()
         self._is_closed = False
         self._answers: dict[str, Any] = {}
         self._pinned: Pinned | None = None
         self._offered: dict[str, Any] = {}
-        self.live = Live(self._live_tells, self.built)
+        self.live = Live(self._live_tells)
 
     def listen(self, listener: Callable[[dict[str, Any]], None]) -> None:
         """Call a function with every message to pages, from any thread."""
@@ -125,14 +124,6 @@ class Session:
                 # A killed process did this before it could reply.
                 return self._reply(self.history.requests[key])
             return method(*bound.args, **bound.kwargs) or {}
-
-    def built(self, document: Document | None = None) -> Built:
-        """The built document, built once."""
-        document = document or self.history.document
-        known = self._built
-        if known is None or known[0] is not document:
-            self._built = known = document, build(document)
-        return known[1]
 
     def builder(self) -> Any:
         """A new builder with the present mechanism; ModelError with all problems if something cannot be built."""
@@ -303,7 +294,7 @@ class Session:
 
     def _tell_changes(self) -> None:
         history = self.history
-        built = self.built()
+        built = build(history.document)
         values = numeric_values(history.document)
         self.tell(
             {

@@ -181,7 +181,10 @@ class History:
         path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         # Only its user can read it.
         self._file = open(path, f"{mode}b", buffering=0, opener=lambda name, flags: os.open(name, flags, 0o600))
-        _lock(self._file)
+        # Locked for the life of the process, if the system can.
+        if fcntl is not None:
+            with contextlib.suppress(OSError):
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
     def _write(self, line: dict[str, Any]) -> None:
         """Write a line of the journal to the disk, before anything else is done."""
@@ -267,13 +270,6 @@ def journal_folder() -> Path:
     if folder := os.environ.get("FLEXMB_CACHE"):
         return Path(folder) / "workbench"
     return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "flexmb" / "workbench"
-
-
-def _lock(file: Any) -> None:
-    """Lock a file for the life of the process, if the system can."""
-    if fcntl is not None:
-        with contextlib.suppress(OSError):
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
 def is_locked(path: Path) -> bool:

@@ -4,7 +4,7 @@ import dataclasses
 import logging
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -28,21 +28,16 @@ from .traced import Answer, answer_of, clamps_of
 # Number of compiled functions that are kept.
 MOST = 12
 
-Slopes = Callable[[Any], Any]
 
+class _Closure(NamedTuple):
+    """A compiled function of the numbers of documents of one structure, at addresses in order.
 
-@dataclasses.dataclass(frozen=True)
-class _Closure:
-    """A compiled function of the numbers of documents of one structure.
-
-    Attributes:
-        addresses: Addresses of the numbers, in order.
-        slopes: From numbers (n,) to the answer, its slopes (n,), relative slopes by the sections of each block's
-            elements, and a code of RESULTS.
+    ``slopes`` returns from numbers (n,) the answer, its slopes (n,), relative slopes by the sections of each block's
+    elements, and a code of RESULTS.
     """
 
     addresses: tuple[str, ...]
-    slopes: Slopes
+    slopes: Callable[[Any], Any]
 
 
 class Ways:
