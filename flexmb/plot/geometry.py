@@ -94,14 +94,11 @@ def lines(model: Model, x: Float[np.ndarray, "n_x"], straight: bool = False) -> 
 def scaled_lines(
     model: Model, base: Float[np.ndarray, "n_x"], x: Float[np.ndarray, "n_x"], factor: float
 ) -> list[Line]:
-    """Every element as a line, its displacement from one state to another multiplied.
-
-    The points are scaled, not the coordinates: a beam that bends is no linear function of its curvature, and would end
-    beside the nodes that it joins. Returns the lines in the order of the model.
-    """
+    """Every element as a line, its displacement from one state to another multiplied."""
     if factor == 1:
         return lines(model, x)
     scaled = []
+    # A beam that bends is no linear function of its coordinates, and would end beside the nodes that it joins.
     for still, moved in zip(lines(model, base, straight=True), lines(model, x, straight=True), strict=True):
         points = still.points + factor * (moved.points - still.points)
         scaled.append(moved._replace(points=zigzag(points[0], points[-1]) if moved.kind == "spring" else points))

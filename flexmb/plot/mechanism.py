@@ -6,22 +6,9 @@ import numpy as np
 
 from ..model.model import Model
 from ..numerical_limits import NOT_MOVED
+from . import canvas
 from . import marks as marked
-from .canvas import (
-    ARROW,
-    BLACK,
-    BLUE,
-    GREEN,
-    RED,
-    arrow,
-    faces,
-    frame_points,
-    marks,
-    mechanism_lines,
-    new_axes,
-    spread_texts,
-    write_text,
-)
+from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, marks, mechanism_lines, write_text
 from .geometry import lines, masses, nodes_of, point_extent, scaled_lines
 from .sections import strips
 from .state import displaced, state_of
@@ -74,7 +61,7 @@ def mechanism(
     model, state = state_of(shown, at, step, time)
     x = displaced(model, state, scale)
     reference = np.asarray(model.parameters.reference)
-    ax = new_axes(model.labels.dimension, ax)
+    ax = canvas.new_axes(model.labels.dimension, ax)
     seen = []
     moved = not np.allclose(x, reference, rtol=0, atol=NOT_MOVED)
     if moved if ghost is None else ghost:
@@ -84,7 +71,7 @@ def mechanism(
     drawn = scaled_lines(model, reference, state, scale)
     mechanism_lines(ax, drawn)
     quads = list(strips(model, x, drawn).values()) if sections else []
-    faces(ax, quads, facecolor=BLUE)
+    canvas.faces(ax, quads, facecolor=BLUE)
     points = {name: x[indices] for name, indices in nodes_of(model).items()}
     seen = np.concatenate([*seen, *(line.points for line in drawn), np.array(list(points.values()))])
     marks(ax, np.array([x[i] for i in masses(model)]), "mass", marker="o", markersize=7, color=BLACK, zorder=3)
@@ -97,12 +84,11 @@ def mechanism(
         for name, point in points.items():
             write_text(ax, point, f" {name}", va="bottom")
         for line in drawn:
-            write_text(
-                ax, line.points[len(line.points) // 2], line.element, color="#777777", style="italic", ha="center"
-            )
+            middle = line.points[len(line.points) // 2]
+            write_text(ax, middle, line.element, color="#777777", style="italic", ha="center")
     edges = [quad.reshape(-1, quad.shape[-1]) for quad in quads]
-    frame_points(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
-    spread_texts(ax)
+    canvas.frame_points(ax, np.concatenate([seen, *edges, *(end[None] for end in ends)]))
+    canvas.spread_texts(ax)
     return ax
 
 
@@ -129,9 +115,8 @@ def _dofs(ax: Any, model: Model, points: dict[str, np.ndarray], size: float) -> 
 def _loads(ax: Any, model: Model, x: np.ndarray, points: dict[str, np.ndarray], size: float) -> list[np.ndarray]:
     """Arrows of nodal forces, scaled to the largest, and of moments along their axes; texts of moments in the plane."""
     load_marks = marked.loads(model, x)
-    largest = max(
-        (np.linalg.norm(m.vector) for m in load_marks if m.kind == "force" and m.vector is not None), default=1.0
-    )
+    vectors = [load.vector for load in load_marks if load.kind == "force" and load.vector is not None]
+    largest = max(map(np.linalg.norm, vectors), default=1.0)
     ends = []
     for load in load_marks:
         start = points[load.node]

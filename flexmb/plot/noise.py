@@ -42,9 +42,8 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
         if several:
             lower.semilogx(hertz[positive], np.asarray(found.cumulative(output, source))[positive], lw=1)
     if several:
-        upper.loglog(
-            hertz[positive], np.sqrt(np.asarray(found.spectrum(output)))[positive], "k", lw=1.5, label="all", zorder=0
-        )
+        every = np.sqrt(np.asarray(found.spectrum(output)))
+        upper.loglog(hertz[positive], every[positive], "k", lw=1.5, label="all", zorder=0)
     lower.semilogx(hertz[positive], total[positive], "k", lw=1.5)
     name = found.outputs[0] if output is None else output
     upper.set_title(f"{name}: rms {float(found.rms(output)):.4g}", fontsize=10)

@@ -12,15 +12,7 @@ from .geometry import nodes_of
 
 
 def states_of(shown: Any, at: Any = None) -> States:
-    """States of the result to be drawn, in concrete numbers.
-
-    Args:
-        at: Where it is an equilibrium, configuration or linearisation of the model; with a Model only.
-
-    Raises:
-        TypeError: ``shown`` or ``at`` is none of these; or is traced.
-        ValueError: ``at`` is no state of the model.
-    """
+    """States of the result to be drawn, in concrete numbers; ``at`` is the state of a Model."""
     if not is_concrete((shown, at)):
         raise TypeError("A picture needs concrete numbers: draw it outside jax.jit and jax.grad.")
     states = shown.states() if isinstance(shown, Result) else None
@@ -34,23 +26,16 @@ def states_of(shown: Any, at: Any = None) -> States:
     if at is not None and not hasattr(at, "x"):
         raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is {kind_of(at)}.")
     x = np.asarray(states.x if at is None else at.x, float)
-    if x.shape[-1] != states.model.topology.n_x:
-        raise ValueError(
-            f"Argument `at` must be a state of this model, which has {states.model.topology.n_x} coordinates, but its x"
-            f" has shape {x.shape}."
-        )
+    if x.shape[-1] != (n_x := states.model.topology.n_x):
+        what = f"a state of this model, which has {n_x} coordinates"
+        raise ValueError(f"Argument `at` must be {what}, but its x has shape {x.shape}.")
     return states._replace(x=x)
 
 
 def state_of(
     shown: Any, at: Any = None, step: int | None = None, time: float | None = None
 ) -> tuple[Model, Float[np.ndarray, "n_x"]]:
-    """Model and coordinates of the result to be drawn. Returns the model, and x (n_x,) [m, rad, -].
-
-    Raises:
-        TypeError: As for :func:`states_of`.
-        ValueError: ``at`` is no state of the model, step or time is out of range or has no meaning here.
-    """
+    """Model and coordinates of the result to be drawn, at a step or a time."""
     states = states_of(shown, at)
     if time is not None:
         if states.kind != "motion" or step is not None:
@@ -79,11 +64,7 @@ def checked_factor(scale: float) -> float:
 def displaced(
     model: Model, x: Float[np.ndarray, "n_x"], scale: float = 1.0, base: Float[np.ndarray, "n_x"] | None = None
 ) -> Float[np.ndarray, "n_x"]:
-    """Coordinates with displacements multiplied. Returns (n_x,) [m, rad, -].
-
-    Args:
-        base: Coordinates that displacements are counted from, (n_x,); by default those of the undeformed mechanism.
-    """
+    """Coordinates with displacements multiplied, from ``base`` or the undeformed mechanism on, (n_x,) [m, rad, -]."""
     if checked_factor(scale) == 1:
         return x
     base = np.asarray(model.parameters.reference) if base is None else base

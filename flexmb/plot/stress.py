@@ -111,11 +111,9 @@ def _mark_largest(ax: Any, model: Model, result: Any, values: np.ndarray, label:
 
 
 def values_of(found: Any, quantity: str | None, *, of_states: bool = False) -> tuple[np.ndarray, str]:
-    """Value at each place of each element, and the label of its scale.
+    """Value at each place of each element, (elements, places), and the label with unit; in several states if allowed.
 
-    Returns (elements, places) [MPa, N, N m], and the label with unit. For a stress: the largest value of the eight
-    points of the surface, with its sign. With ``of_states`` the stress may have several states, (states, elements,
-    places).
+    For a stress: the largest value of the eight points of the surface, with its sign.
     """
     if not hasattr(found, "quantities"):
         raise TypeError(

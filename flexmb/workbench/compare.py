@@ -89,16 +89,7 @@ def _title(item: Mapping[str, Any]) -> str:
 
 
 def _answer(key: str, before: Mapping[str, Any] | None, present: Mapping[str, Any] | None) -> dict[str, Any]:
-    known = present or before or {}
-    values = [None if answer is None else answer.get("value") for answer in (before, present)]
-    texts = [None if answer is None else answer.get("text") for answer in (before, present)]
-    return {
-        "key": key,
-        "label": known.get("label", key),
-        "unit": known.get("unit", ""),
-        "before": values[0],
-        "now": values[1],
-        "before_text": texts[0],
-        "now_text": texts[1],
-        "percent": percent(*values),
-    }
+    known, old, new = present or before or {}, before or {}, present or {}
+    change = {"before": old.get("value"), "now": new.get("value")}
+    texts = {"before_text": old.get("text"), "now_text": new.get("text"), "percent": percent(*change.values())}
+    return {"key": key, "label": known.get("label", key), "unit": known.get("unit", ""), **change, **texts}

@@ -94,7 +94,7 @@ class Answers:
     def analyses(self) -> Iterator[tuple[str, Callable[[], None]]]:
         """Analyses by name, to be called one after the other; the first raises if there is no equilibrium."""
         yield "frequencies", self._frequencies
-        yield "mass", self._mass
+        yield "mass", lambda: self._add("mass", total := mass(self.model), "kg", text=f"{short(total)} kg")
         if self.wants.support_node:
             yield "stiffness", self._stiffness
         if self.loaded:
@@ -153,10 +153,6 @@ class Answers:
             text = f"{pole.real:.4g} ± {pole.imag:.4g}i rad/s"
             self._add(f"pole {i}", abs(pole.imag) / (2 * math.pi), "Hz", text=text, unstable=pole.real > 0)
 
-    def _mass(self) -> None:
-        total = mass(self.model)
-        self._add("mass", total, "kg", text=f"{short(total)} kg")
-
     def _stiffness(self) -> None:
         node, lin = str(self.wants.support_node), self.lin
         assert lin is not None
@@ -168,9 +164,8 @@ class Answers:
         except REFUSED as fault:
             self._refused("stiffness", "N/m", f"stiffness of '{node}'", fault)
             return
-        for axis, entry in zip(
-            components_of(self.model.labels, node), np.diag(compliance_matrix).tolist(), strict=False
-        ):
+        axes = components_of(self.model.labels, node)
+        for axis, entry in zip(axes, np.diag(compliance_matrix).tolist(), strict=False):
             direction = "in rotation" if axis == "phi" else f"about {axis[1:]}" if axis in ANGLES else f"along {axis}"
             unit = "N m/rad" if axis in ANGLES else "N/m"
             label = f"stiffness of '{node}' {direction}"

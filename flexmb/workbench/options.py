@@ -28,8 +28,8 @@ def _choice(name: str, choices: list[str], doc: str, default: str = "", *, must:
     return {"name": name, "kind": "choice", "choices": choices, "default": default, "doc": doc, "optional": not must}
 
 
-def _coordinates(document: Document) -> list[str]:
-    """Coordinates of nodes that are not fixed as a whole."""
+def _coordinate(document: Document, doc: str) -> Field:
+    """A choice from the coordinates of nodes that are not fixed as a whole."""
     fixed = {
         item["args"].get("node")
         for item in document.things
@@ -37,7 +37,8 @@ def _coordinates(document: Document) -> list[str]:
     }
     names = [name for name in positions(document) if name not in fixed]
     axes = ("x", "y", "phi") if document.dimension == 2 else ("x", "y", "z")
-    return [f"{name}.{axis}" for name in names[:MOST_NODES] for axis in axes]
+    coordinates = [f"{name}.{axis}" for name in names[:MOST_NODES] for axis in axes]
+    return _choice("coordinate", coordinates, doc, must=True)
 
 
 FIELDS: dict[str, Callable[[Document], list[Field]]] = {
@@ -52,23 +53,13 @@ FIELDS: dict[str, Callable[[Document], list[Field]]] = {
         _number("high", "Hz", "", "Highest frequency; follows from the poles by default."),
     ],
     "trajectory": lambda document: [
-        _choice(
-            "coordinate",
-            _coordinates(document),
-            "Prescribed coordinate; by default the only degree of freedom.",
-            must=True,
-        ),
+        _coordinate(document, "Prescribed coordinate; by default the only degree of freedom."),
         _number("by", "m, rad", "0.001", "Displacement from the present position.", optional=False),
         _number("duration", "s", "0.5", "Duration of the displacement.", optional=False),
         _choice("law", ["quintic", "septic", "scurve"], "Motion law.", "quintic"),
     ],
     "stroke": lambda document: [
-        _choice(
-            "coordinate",
-            _coordinates(document),
-            "Driven coordinate; by default the only input or degree of freedom.",
-            must=True,
-        ),
+        _coordinate(document, "Driven coordinate; by default the only input or degree of freedom."),
         _number("to", "m, rad", "0.001", "Stroke to each side.", optional=False),
         _number("steps", "", "4", "Number of strokes to each side.", whole=True),
         _choice("node", list(positions(document)), "Node for the support stiffness."),
