@@ -10,9 +10,8 @@ from typing import Any
 from ..errors import printable
 from .document import Document, EditError
 from .filing import opened
-from .places import Storage, file_place, new_place, unsaved_storage
 from .session import Session
-from .undo import History, recover, unreadable
+from .undo import History, Storage, file_place, new_place, recover, unreadable, unsaved_storage
 
 
 class TakenError(OSError):

@@ -13,8 +13,7 @@ from ..errors import printable
 from ..files import read_whole
 from .document import Document
 from .filing import difference, files_of, opened, received, write_document
-from .places import Storage, file_place
-from .undo import History
+from .undo import History, Storage, file_place
 
 # Time between two looks at the file [s].
 PERIOD = 0.5

@@ -22,9 +22,8 @@ from .jobs import Job, Jobs
 from .live import Live
 from .live_answers import Wants
 from .open_file import OpenFile
-from .places import Storage
 from .targets import meet
-from .undo import History
+from .undo import History, Storage
 from .wants import label_of, number_like
 
 # Shortest time between two designs on the page [s], and their number of digits.

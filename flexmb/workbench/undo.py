@@ -1,9 +1,14 @@
-"""Undo and redo of all edits of a session, and a journal from which a killed session is restored."""
+"""Undo and redo of all edits of a session, and a journal that restores a killed session, with its place.
+
+No other user can read these files.
+"""
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
+import http.client
 import itertools
 import json
 import os
@@ -17,7 +22,7 @@ try:
 except ImportError:  # Systems without such locks offer all journals.
     fcntl = None
 
-from ..files import naming
+from ..files import naming, write_whole
 from .document import Document, EditError, Report, apply
 
 # Number of remembered requests: a request that is sent again is done once.
@@ -265,11 +270,14 @@ def new_journal(folder: str | os.PathLike) -> Path:
 
 def journal_folder() -> Path:
     """Folder of journals: ``$FLEXMB_STATE``, or flexmb/workbench in the folder of states or in ``$FLEXMB_CACHE``."""
-    if folder := os.environ.get("FLEXMB_STATE"):
-        return Path(folder)
-    if folder := os.environ.get("FLEXMB_CACHE"):
-        return Path(folder) / "workbench"
-    return Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "flexmb" / "workbench"
+    if known := os.environ.get("FLEXMB_STATE"):
+        folder = Path(known)
+    elif known := os.environ.get("FLEXMB_CACHE"):
+        folder = Path(known) / "workbench"
+    else:
+        folder = Path(os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state") / "flexmb" / "workbench"
+    folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+    return folder
 
 
 def is_locked(path: Path) -> bool:
@@ -283,3 +291,67 @@ def is_locked(path: Path) -> bool:
             return True
         fcntl.flock(file, fcntl.LOCK_UN)
         return False
+
+
+class Storage(NamedTuple):
+    """The journal of one workbench."""
+
+    journal: Path
+
+    def known(self) -> dict[str, Any]:
+        """Data of the last workbench here: "port" and "token"; empty if there was none."""
+        with contextlib.suppress(OSError, ValueError):
+            data = json.loads(self._about.read_text(encoding="utf-8"))
+            if isinstance(data, dict) and isinstance(data.get("port"), int) and isinstance(data.get("token"), str):
+                return data
+        return {}
+
+    def take(self, port: int, token: str) -> None:
+        """Write the address of this process. A later one takes over port and token, and open pages find it."""
+        write_whole(self._about, json.dumps({"port": port, "token": token}).encode())
+        self._about.chmod(0o600)
+
+    def leave(self) -> None:
+        """Remove the address: there is nothing to continue with."""
+        self._about.unlink(missing_ok=True)
+
+    def is_taken(self) -> bool:
+        """Whether another process works here."""
+        return self.journal.exists() and is_locked(self.journal)
+
+    def address(self) -> str | None:
+        """Address of the workbench that answers here, or None."""
+        known = self.known()
+        if not known:
+            return None
+        path = f"/{known['token']}/"
+        connection = http.client.HTTPConnection("127.0.0.1", known["port"], timeout=2)
+        try:
+            connection.request("GET", path)
+            is_answering = connection.getresponse().status == 200
+        except (OSError, ValueError, http.client.HTTPException):
+            is_answering = False
+        finally:
+            connection.close()
+        return f"http://127.0.0.1:{known['port']}{path}" if is_answering else None
+
+    @property
+    def _about(self) -> Path:
+        return self.journal.with_suffix(".json")
+
+
+def file_place(file: Path) -> Storage:
+    """Place of a file."""
+    path = os.path.realpath(file)
+    return Storage(journal_folder() / f"file-{hashlib.sha256(os.fsencode(path)).hexdigest()[:16]}.jsonl")
+
+
+def unsaved_storage() -> Storage | None:
+    """Place of the last new mechanism that was never saved, or None."""
+    paths = (path for path in journals(journal_folder()) if path.name[:1].isdigit())
+    return next(map(Storage, paths), None)
+
+
+def new_place() -> Storage:
+    """Place of a new mechanism."""
+    return Storage(new_journal(journal_folder()))
