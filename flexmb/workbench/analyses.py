@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import threading
 from collections.abc import Callable, Mapping
@@ -19,10 +20,9 @@ from ..design.stroke import driven
 from ..design.verdict import verdict
 from ..errors import ModelError, heard, printable
 from ..linear.linearize import Linearization
-from ..linear.stress import Stress, has_stress, stress
+from ..linear.stress import has_stress, stress
 from ..mechanics.loads import has_loads
 from ..model.by_name import TURNS
-from ..model.model import Model
 from ..plot.answer import figure_bytes, image
 from ..plot.canvas import GREY, figure_grid, prefix_for
 from ..progress import Stopped
@@ -148,10 +148,12 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     with PICTURES, heard():
         data["picture"] = _picture(mode_answer, options).decode()
     states = mode_answer.shown.states() if hasattr(mode_answer.shown, "states") else None
-    along = mode_answer.found if states is not None and states.along is not None else None
     with heard():
-        stresses = _stresses(along) if along is not None else None
-        data["view"] = page_data(view(mode_answer.shown, stresses) if stresses else view(mode_answer.shown))
+        stresses, along = None, mode_answer.found
+        if states is not None and states.along is not None and has_stress(along.model):
+            with contextlib.suppress(ModelError, TypeError, ValueError):
+                stresses = stress(along.model, at=along)
+        data["view"] = page_data(view(mode_answer.shown, stresses))
     return data
 
 
@@ -164,26 +166,6 @@ def _picture(mode_answer: Answer, options: Mapping[str, Any]) -> bytes:
     if not 0 < low < high:
         raise ValueError(f"The frequencies are {low:g} and {high:g} Hz. They must be positive and ascending.")
     return figure_bytes(lambda: plot.bode(mode_answer.lin, hertz=np.geomspace(low, high, 400)), "svg")
-
-
-def _stresses(result: Any) -> list[Stress] | None:
-    """Stress in each state of a path or a motion; None if it has none."""
-    model: Model = result.model
-    if not has_stress(model):
-        return None
-    try:
-        every = stress(model, at=result)
-    except (ModelError, TypeError, ValueError):
-        return None
-    return [_stress_of_state(every, i) for i in range(every.von_mises.shape[0])]
-
-
-def _stress_of_state(every: Stress, i: int) -> Stress:
-    """One of several states; strengths are the same in all."""
-    resultants = dataclasses.replace(every.resultants, values=every.resultants.values[i])
-    across = None if every.across is None else every.across[i]
-    parts = {name: getattr(every, name)[i] for name in ("sigma_x", "tau", "von_mises")}
-    return dataclasses.replace(every, **parts, across=across, resultants=resultants)
 
 
 def _trajectory(asked: Request) -> dict[str, Any]:
@@ -246,7 +228,7 @@ def _stroke(asked: Request) -> dict[str, Any]:
             excitation = driven(model, options["coordinate"])
             states: list[Linearization] = [excitation.at(model, s).held for s in assessment.stroke.tolist()]
             stresses = [stress(state.model, at=state) for state in states]
-        data = page_data(view(assessment, stresses) if stresses else view(assessment))
+        data = page_data(view(assessment, stresses))
     return {"status": "done", "text": text, "rows": list(map(list, rows.items())), "picture": picture, "view": data}
 
 
