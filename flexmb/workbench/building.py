@@ -170,9 +170,8 @@ class Arguments:
             return FLAGS[value]
         if kind == "choice":
             if value not in field["choices"]:
-                raise EditError(
-                    address, f"This must be one of {', '.join(field['choices'])}, not '{printable(value)}'."
-                )
+                choices = ", ".join(field["choices"])
+                raise EditError(address, f"This must be one of {choices}, not '{printable(value)}'.")
             return {"clamped": ENDS_IN_WORDS.get, "element": self.element}.get(field["name"], str)(value)
         return value
 
@@ -206,9 +205,8 @@ class Arguments:
             if not isinstance(pair, list) or len(pair) != 2 or not isinstance(pair[0], str):
                 raise EditError(f"{address}/{k}", "Each part needs a name and a factor.")
             if pair[0] in weights:
-                raise EditError(
-                    f"{address}/{k}/0", f"'{printable(pair[0])}' is given twice: give the sum of its factors."
-                )
+                message = f"'{printable(pair[0])}' is given twice: give the sum of its factors."
+                raise EditError(f"{address}/{k}/0", message)
             weights[pair[0]] = self._value_at(f"{address}/{k}/1")
         return weights
 

@@ -75,9 +75,8 @@ class Calls:
 
     def _method(self, method: str, args: dict[str, Any]) -> None:
         call, name = calls()[method], args.pop("name", None)
-        subject = (
-            f"{method} of '{printable(next((args[key] for key in ('node', 'of', 'element') if key in args), name))}'"
-        )
+        about = next((args[key] for key in ("node", "of", "element") if key in args), name)
+        subject = f"{method} of '{printable(about)}'"
         if args.get("step") is not None:
             step, material, at = (args.pop(key, None) for key in ("step", "material", "at"))
             body = body_of_step(subject, step, material, at, self.builder.dimension or 2)
@@ -98,9 +97,8 @@ class Calls:
         element, name = element_type(arguments["element"]), arguments["name"]
         call = self._elements.get(element.usual)
         if call is None:
-            self.left_out.append(
-                f"element '{printable(name)}': its type '{printable(element.name)}' is a user-defined function"
-            )
+            what = f"its type '{printable(element.name)}' is a user-defined function"
+            self.left_out.append(f"element '{printable(name)}': {what}")
             return
         member = self.builder.members[name]
         args: dict[str, Any] = {"nodes": shortest(element, [n for n in member.nodes if n != f"{name}.internal"])}

@@ -26,9 +26,8 @@ def copy(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     if not isinstance(by, list) or len(by) != document.dimension:
         raise EditError("", f"Give the displacement of copies as {document.dimension} numbers.")
     if count is None or not 1 <= count <= MOST_COPIES:
-        raise EditError(
-            "", f"The number of copies is {printable(op.get('count'))}. It must be from 1 to {MOST_COPIES}."
-        )
+        given = printable(op.get("count"))
+        raise EditError("", f"The number of copies is {given}. It must be from 1 to {MOST_COPIES}.")
     chosen, ids = selected(document, op["ids"]), []
     for k in range(1, count + 1):
         shifted = functools.partial(_shifted, [text_product(str(k), text) for text in by])
@@ -271,9 +270,8 @@ def explode(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     first, place = document.data["next"], document.things.index(item)
     new = [{"id": str(first + k), **part} for k, part in enumerate(new)]
     items = [*document.things[:place], *new, *document.things[place + 1 :]]
-    return document.with_things(items, next=first + len(new)), Report(
-        [part["id"] for part in new], [], f"explode {item['name']}"
-    )
+    report = Report([part["id"] for part in new], [], f"explode {item['name']}")
+    return document.with_things(items, next=first + len(new)), report
 
 
 def _section(document: Document, block: dict[str, Any]) -> dict[str, Any]:

@@ -146,9 +146,8 @@ def _set_name(document: Document, address: str, path: list[str], to: Any) -> tup
     if path[0] not in document.names:
         raise EditError(address, f"There is no name '{printable(path[0])}'.")
     entry = {**document.names[path[0]], path[1]: checked_text(address, to)}
-    return name_(
-        document, {"name": path[0], "to": {key: text for key, text in entry.items() if key != path[1] or text}}
-    )
+    given = {key: text for key, text in entry.items() if key != path[1] or text}
+    return name_(document, {"name": path[0], "to": given})
 
 
 def name_(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
@@ -170,12 +169,8 @@ def name_(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
 
 def texts(document: Document) -> list[tuple[str, str]]:
     """All texts that may contain arithmetic, with their addresses."""
-    address_texts = [
-        (f"names/{name}/{key}", text) for name, entry in document.names.items() for key, text in entry.items()
-    ]
-    for item in document.things:
-        address_texts += [(f"{item['id']}/{path}", text) for path, text in numbers(item)]
-    return address_texts
+    of_names = [(f"names/{name}/{key}", text) for name, entry in document.names.items() for key, text in entry.items()]
+    return of_names + [(f"{item['id']}/{path}", text) for item in document.things for path, text in numbers(item)]
 
 
 def numbers(thing: dict[str, Any]) -> list[tuple[str, str]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -58,7 +59,8 @@ def document_of(source: Any, names: Mapping[str, Any] | None = None, *, title: s
     left_out = known.left_out + _changes_without_call(known.builder) + _settings_of(returned)
     fixed = "stays as it is: names are numbers with a decimal point"
     left_out += [f"argument {name} = {printable(short_repr(value))} {fixed}" for name, value in other_arguments.items()]
-    texts, lost = _texts(known, *_traced(source, floats, other_arguments, models, at), ", ".join(floats))
+    traced = _traced(functools.partial(source, **other_arguments), floats, models, at)
+    texts, lost = _texts(known, *traced, ", ".join(floats))
     return _document(returned, known, texts, entries, title or _title(source)), left_out + lost
 
 
@@ -83,11 +85,7 @@ def _named(name: str, value: Any) -> tuple[Any, ...] | None:
 
 
 def _traced(
-    function: Callable[..., Any],
-    floats: dict[str, float],
-    other_arguments: dict[str, Any],
-    models: list[Model],
-    which: int | None,
+    function: Callable[..., Any], floats: dict[str, float], models: list[Model], which: int | None
 ) -> tuple[list[str | None] | None, str]:
     """Texts of the numbers that a function computes from names; None, and the reason, if it cannot be traced."""
     if not floats:
@@ -95,7 +93,7 @@ def _traced(
 
     def numbers(traced_names: dict[str, Any]) -> list[Any]:
         with carried_choices(models), built() as builders:
-            returned = function(**traced_names, **other_arguments)
+            returned = function(**traced_names)
         return Calls(_builder_in(returned) if which is None else builders[which]).numbers
 
     try:
@@ -172,22 +170,13 @@ def _document(
     source: Any, calls: Calls, texts: list[str], names: Mapping[str, tuple[Any, ...] | None], title: str
 ) -> Document:
     """The document of calls whose numbers have texts."""
-    keys = ("value", "low", "high")
-    bounds = {
-        name: dict(zip(keys, map(number_text, entry), strict=False))
-        for name, entry in names.items()
-        if entry is not None
-    }
-    items = _once(calls.filled(texts))
-    document = Document.from_data(
-        {
-            "format": FORMAT,
-            "title": title or _title(source),
-            "dimension": calls.builder.dimension or 2,
-            "names": bounds,
-            "things": [{"id": str(i), **item} for i, item in enumerate(items, 1)],
-        }
-    )
+    keys, things = ("value", "low", "high"), _once(calls.filled(texts))
+    known = {name: entry for name, entry in names.items() if entry is not None}
+    data: dict[str, Any] = {"format": FORMAT, "title": title or _title(source)}
+    data["dimension"] = calls.builder.dimension or 2
+    data["names"] = {n: dict(zip(keys, map(number_text, entry), strict=False)) for n, entry in known.items()}
+    data["things"] = [{"id": str(i), **item} for i, item in enumerate(things, 1)]
+    document = Document.from_data(data)
     return merged(document, source.text) if isinstance(source, SpacarModel) else document
 
 

@@ -53,8 +53,10 @@ class _Conversion:
         self.labels, self.topology, self.parameters = model.labels, model.topology, model.parameters
         self.builder = Builder()
         self.builder.dimension = self.labels.dimension
+        sets = (False, self.parameters.loads), (True, self.parameters.increment)
+        self.load_sets = [(increment, loads) for increment, loads in sets if loads is not None]
         x_roles, self.e_roles = model.roles()
-        self.nodes = {name: node for name, node in self._nodes(x_roles)}
+        self.nodes = dict(self._nodes(x_roles))
         self.members = self._members()
         self.turns = [name for name, member in self.members.items() if self._is_turn(name, member)]
         self.frames = {frame_of(turned_by(name)[0]) for name in self.turns}
@@ -67,18 +69,18 @@ class _Conversion:
             if member.hidden:
                 self._put(member)
         self._prescribe()
-        for increment, loads in ((False, self.parameters.loads), (True, self.parameters.increment)):
-            if loads is not None:
-                self._load(loads, {"increment": True} if increment else {})
+        for increment, loads in self.load_sets:
+            self._load(loads, {"increment": True} if increment else {})
         if self.parameters.strain is not None:
             for name, row in self._rows(self.parameters.strain, self.labels.e):
                 self.builder.strain(name, *row)
         dofs: list[Key] = [self._key("node", i) for i in np.asarray(self.topology.x.dof).tolist()]
         dofs += [self._key("element", i) for i in np.asarray(self.topology.e.dof).tolist()]
+        # Components of one node or element in a row are one call.
         for (owner, kind), run in itertools.groupby(
-            map(self._component, dofs), key=lambda part: (part[0], part[2].get("kind"))
+            map(self._component, dofs), key=lambda part: (part[0], tuple(part[2].items()))
         ):
-            self.builder.dof(owner, *(component for _, component, _ in run), **({"kind": kind} if kind else {}))
+            self.builder.dof(owner, *(component for _, component, _ in run), **dict(kind))
         if self.parameters.start is not None:
             for key, *pair in zip(dofs, *(np.asarray(part).tolist() for part in self.parameters.start), strict=True):
                 owner, component, kind = self._component(key)
@@ -143,19 +145,20 @@ class _Conversion:
         """Names of the leaf springs whose ends the calls would clamp otherwise than the model does."""
         leaves = {name: member for name, member in self.members.items() if "clamped" in member.properties}
         try:
-            clamped_builder = with_steps(with_clamps(self.builder, None), self.builder)
+            other = with_steps(with_clamps(self.builder, None), self.builder)
         except ModelError:
             # What would decide is stated nowhere, or what is stated already does not suffice.
             return set(leaves)
-        return {
-            name
-            for name, member in leaves.items()
-            if not np.array_equal(clamped_builder.members[name].properties["clamped"], member.properties["clamped"])
-            or any(
-                (clamped_builder.nodes[node].roles[0] in HELD) != (self.nodes[node].roles[0] in HELD)
-                for node in nodes_of_kind(member, "warping")
-            )
-        }
+
+        def differs(name: str, member: Member) -> bool:
+            warpings = nodes_of_kind(member, "warping")
+            held = [
+                [builder_nodes[n].roles[0] in HELD for n in warpings] for builder_nodes in (other.nodes, self.nodes)
+            ]
+            same = np.array_equal(other.members[name].properties["clamped"], member.properties["clamped"])
+            return not same or held[0] != held[1]
+
+        return {name for name, member in leaves.items() if differs(name, member)}
 
     def _key(self, kind: str, index: int) -> Key:
         entry = (self.labels.x if kind == "node" else self.labels.e)[index]
@@ -216,19 +219,15 @@ class _Conversion:
 
     def _fix(self) -> None:
         """Fix nodes as a whole with their rotations, then single components."""
-        fixed_components = {
-            name: [i for i, r in enumerate(n.roles, 1) if r is Role.FIXED] for name, n in self.nodes.items()
-        }
-        fully_fixed = {
-            name for name, numbers in fixed_components.items() if len(numbers) == len(self.nodes[name].roles)
-        }
+        fully_fixed = {name for name, node in self.nodes.items() if all(role is Role.FIXED for role in node.roles)}
         for name, node in self.nodes.items():
             part, rotation = node.kind.part, f"{name}.rotation"
+            fixed = [i for i, role in enumerate(node.roles, 1) if role is Role.FIXED]
             fixed_with_owner = self._owner(name) != name and {name, self._owner(name)} <= fully_fixed
-            if not fixed_components[name] or name in self.frames or fixed_with_owner:
+            if not fixed or name in self.frames or fixed_with_owner:
                 continue
             if name not in fully_fixed or part == "warping":
-                entries = [self._component(("node", name, i)) for i in fixed_components[name]]
+                entries = [self._component(("node", name, i)) for i in fixed]
                 self.builder.fix(entries[0][0], *(component for _, component, _ in entries))
             elif part == "position" and rotation in self.nodes and rotation not in fully_fixed:
                 self.builder.fix(name, "position")
@@ -256,7 +255,6 @@ class _Conversion:
         getattr(self.builder, HIDDEN[kind])(self._owner(member.nodes[0]), **properties, **flags)
 
     def _prescribe(self) -> None:
-        sets = [(False, self.parameters.loads), (True, self.parameters.increment)]
         for kind, roles, field in (("node", self.topology.x, "x"), ("element", self.topology.e, "e")):
             for k, index in enumerate(np.asarray(roles.prescribed).tolist()):
                 key = self._key(kind, index)
@@ -266,7 +264,7 @@ class _Conversion:
                     hinge = self.members[key[1]]
                     tilt = {"tilt": "fixed"} if hinge.roles[1] is Role.FIXED else {}
                     more |= {"axis": hinge.properties["axis"]} | tilt
-                arrays = [(i, getattr(loads, field)) for i, loads in sets if loads is not None]
+                arrays = [(i, getattr(loads, field)) for i, loads in self.load_sets]
                 values = [(i, float(array[k])) for i, array in arrays if array is not None]
                 for increment, value in values or [(False, 0.0)]:
                     self.builder.prescribe(owner, component, value, increment=increment, **more)
@@ -303,11 +301,7 @@ class _Conversion:
 
     def _name_signal(self, side: str, signal: Signal, weights: list[float]) -> None:
         if signal.parts:
-            parts = [
-                f"{part.quantity} {owner}.{component}"
-                for part in signal.parts
-                for owner, component, _ in [self._of(part)]
-            ]
+            parts = [f"{part.quantity} {'.'.join(self._of(part)[:2])}" for part in signal.parts]
             pairs = dict(zip(parts, weights, strict=True))
             (self.builder.sensor if side == "output" else self.builder.actuator)(signal.name, pairs)
             return

@@ -46,9 +46,8 @@ def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> 
     for target in given:
         key, kind = str(target.get("answer", "")), target.get("kind", "equal")
         if kind not in KINDS:
-            raise ValueError(
-                f"Target '{printable(key)}' is of kind {short_repr(kind)}. It must be equal, least or most."
-            )
+            known = "It must be equal, least or most."
+            raise ValueError(f"Target '{printable(key)}' is of kind {short_repr(kind)}. {known}")
         unit = answer_unit(key)
         wants.append(Want(key, kind, wanted_value(key, str(target.get("value", "")), unit, names), unit))
     if not wants:
@@ -57,10 +56,8 @@ def wants_of(given: Sequence[Mapping[str, Any]], names: Mapping[str, float]) -> 
         by_kind = {want.kind: want.value for want in wants if want.key == key}
         if len(by_kind) < sum(want.key == key for want in wants) or ("equal" in by_kind and len(by_kind) > 1):
             raise ValueError(f"'{printable(key)}' has two targets. Give one value, or a lower and an upper one.")
-        if by_kind.get("least", -np.inf) > by_kind.get("most", np.inf):
-            raise ValueError(
-                f"'{printable(key)}' cannot be at least {by_kind['least']:g} and at most {by_kind['most']:g}."
-            )
+        if (least := by_kind.get("least", -np.inf)) > (most := by_kind.get("most", np.inf)):
+            raise ValueError(f"'{printable(key)}' cannot be at least {least:g} and at most {most:g}.")
     return wants
 
 
@@ -114,10 +111,8 @@ def checked_free(document: Document, free: Sequence[str]) -> list[str]:
         if name not in document.names:
             raise ValueError(f"There is no name '{printable(name)}' to change.")
         if name not in known:
-            text = printable(document.names[name]["value"])
-            raise ValueError(
-                f"'{printable(name)}' is '{text}': it follows from other names. Choose from {listed(known)}."
-            )
+            text = f"'{printable(name)}' is '{printable(document.names[name]['value'])}'"
+            raise ValueError(f"{text}: it follows from other names. Choose from {listed(known)}.")
     if not known:
         raise ValueError("No dimension may change. Write a name, such as t, instead of a number, and give it a value.")
     return list(dict.fromkeys(free)) or known
