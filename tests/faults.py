@@ -3694,7 +3694,10 @@ FAULTS = [
     ),
     # Trajectories.
     Fault(
-        "trajectory/cubic.py", "2 * (h[:-1] + h[1:])", "(h[:-1] + h[1:])", "trajectory/test_linear_along.py -k scipy"
+        "trajectory/varying_equations.py",
+        "2 * (h[:-1] + h[1:])",
+        "(h[:-1] + h[1:])",
+        "trajectory/test_linear_along.py -k scipy",
     ),
     Fault(
         "trajectory/varying_equations.py",

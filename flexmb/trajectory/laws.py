@@ -269,8 +269,7 @@ def spline(times: ArrayLike, points: ArrayLike, *, degree: int = 5) -> Law:
     """
     if degree not in (3, 5):
         raise ValueError(f"Argument `degree` must be 3 or 5, but is {short_repr(degree)}.")
-    orders = range(1, (degree + 1) // 2)
-    return _through(times, points, degree, lambda count: [(order, np.zeros(count)) for order in orders])
+    return _through(times, points, degree, range(1, (degree + 1) // 2))
 
 
 def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
@@ -296,7 +295,7 @@ def sampled(times: ArrayLike, values: ArrayLike, *, degree: int = 5) -> Law:
         raise ValueError(f"Argument `degree` must be 3, 5 or 7, but is {degree}.")
     if np.ndim(times) == 1 and np.shape(times)[0] <= degree:
         raise ValueError(f"Argument `times` must have more than {degree} times for a spline of that degree.")
-    return _through(times, values, degree, lambda count: None)
+    return _through(times, values, degree, ())
 
 
 def stretched(
@@ -441,8 +440,8 @@ def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any
     return Law(as_array(breaks), as_array(xp.stack(coefficients)[None]))
 
 
-def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[int], Any]) -> Law:
-    """A spline, whose coefficients are linear in the values."""
+def _through(times: ArrayLike, values: ArrayLike, degree: int, still: Sequence[int]) -> Law:
+    """A spline, whose coefficients are linear in the values; at its ends derivatives of some orders are zero."""
     import scipy.interpolate
 
     if not is_concrete(times):
@@ -455,10 +454,9 @@ def _through(times: ArrayLike, values: ArrayLike, degree: int, ends: Callable[[i
     # Coefficients are linear in the values: a matrix keeps traced values differentiable.
     concrete = is_concrete(values)
     columns = np.asarray(values)[:, None] if concrete else np.eye(len(known))
-    bounds = ends(columns.shape[1])
-    fitted = scipy.interpolate.make_interp_spline(
-        known, columns, k=degree, bc_type=None if bounds is None else (bounds, bounds)
-    )
+    bounds = [(order, np.zeros(columns.shape[1])) for order in still]
+    bc_type = (bounds, bounds) if bounds else None
+    fitted = scipy.interpolate.make_interp_spline(known, columns, k=degree, bc_type=bc_type)
     breaks = np.unique(np.clip(fitted.t, known[0], known[-1]))
     orders = range(degree + 1)
     matrix = np.stack([fitted(breaks[:-1], nu=order) / math.factorial(order) for order in orders], axis=1)

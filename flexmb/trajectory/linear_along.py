@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import jax
@@ -13,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from .. import __version__
-from ..arguments import as_reals, check_number, checked_times, is_concrete, short_repr
+from ..arguments import as_reals, check_number, check_whole, checked_times, is_concrete, short_repr
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -22,9 +23,8 @@ from ..files import save_arrays
 from ..linear.spectrum import real_frequencies
 from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
-from .cubic import Spline, cubic_spline
-from .slow_modes import check_mode_count, reduced_system
-from .varying_equations import integrate_varying, with_halved_steps
+from .slow_modes import reduced_system
+from .varying_equations import Spline, cubic_spline, integrate_varying, with_halved_steps
 
 if TYPE_CHECKING:
     import control
@@ -105,7 +105,7 @@ class TimeVarying(Labelled, Record):
         if is_concrete(t):
             check_number("t", t)
         self._within("t", jnp.asarray(t, float))
-        return _matrices_at(self._splines(), jnp.asarray(t, float))
+        return _matrices_at(_splined(self.t, (self.A, self.B, self.C, self.D)), jnp.asarray(t, float))
 
     def frequencies(self) -> Float[np.ndarray, "n_t n"]:
         """Return undamped frequencies at each time, ascending, (n_t, n) [Hz]; negative if unstable, NaN if complex.
@@ -171,12 +171,7 @@ class TimeVarying(Labelled, Record):
             THEORY.md 14, eq. (14.21).
         """
         times, u, start = self._given(times, u, initial)
-        splines = self._splines()
-
-        def run(count: int | Array):
-            if isinstance(count, int):
-                return _solved(splines, times, u, start, None, substeps=count)
-            return _solved(splines, times, u, start, count)
+        run = partial(_solved, _splined(self.t, (self.A, self.B, self.C, self.D)), times, u, start)
 
         def difference(fine: tuple[Array, Array], coarse: tuple[Array, Array]):
             seen, before = (solution[0] if self.output_labels else solution[1] for solution in (fine, coarse))
@@ -247,22 +242,16 @@ class TimeVarying(Labelled, Record):
             THEORY.md 14, eq. (14.24) and (14.25).
         """
         n = self.M.shape[1]
-        check_mode_count(modes, n)
-        (a, b, c, d, mass, start), shapes, still = reduced_system(
-            self.t, (self.A, self.B, self.C, self.D, self.M, self.z0), modes=modes
-        )
-        more = self.state_labels[2 * n :]
+        check_whole("modes", modes, 1, n)
+        system, shapes, still = reduced_system(self.t, (self.A, self.B, self.C, self.D, self.M, self.z0), modes=modes)
         names = [f"mode {i + 1}" for i in range(modes)]
-        smaller = dataclasses.replace(
-            self,
-            **dict(zip("ABCDM", (a, b, c, d, mass), strict=True)),
-            z0=start,
-            basis=shapes if self.basis is None else self.basis @ shapes,
-            state_labels=(*names, *(f"d {name}" for name in names), *more),
-        )
+        labels = (*names, *(f"d {name}" for name in names), *self.state_labels[2 * n :])
+        basis = shapes if self.basis is None else self.basis @ shapes
+        parts = dict(zip(("A", "B", "C", "D", "M", "z0"), system, strict=True))
+        smaller = dataclasses.replace(self, **parts, basis=basis, state_labels=labels)
         if not is_concrete(self):
             return smaller
-        full_values, reduced_values = self.frequencies(), _frequencies_along(still, mass)
+        full_values, reduced_values = self.frequencies(), _frequencies_along(still, smaller.M)
         size = np.maximum(np.abs(full_values[:, :modes]), NO_VIBRATION * np.max(np.abs(full_values)))
         left_out = full_values[:, modes] if modes < n else np.full(len(full_values), np.inf)
         error = np.max(np.abs(reduced_values - full_values[:, :modes]) / size, axis=0)
@@ -305,9 +294,6 @@ class TimeVarying(Labelled, Record):
         labels = self.state_labels, self.input_labels, self.output_labels
         return [[name.replace(".", " ") for name in names] for names in labels]
 
-    def _splines(self) -> tuple[Spline, Spline, Spline, Spline]:
-        return _splined(self.t, (self.A, self.B, self.C, self.D))
-
     def _within(self, name: str, times: ArrayLike) -> None:
         if not is_concrete((self.t, times)):
             return
@@ -325,15 +311,10 @@ class TimeVarying(Labelled, Record):
         self._within("times", times)
         sizes, known = (len(self.input_labels), times.shape[0]), ", ".join(self.input_labels) or "none"
         if isinstance(u, Mapping):
-            unknown = [name for name in u if name not in self.input_labels]
-            if unknown:
-                raise ValueError(
-                    f"There is no input '{unknown[0]}'; there is {', '.join(self.input_labels) or 'none'}."
-                )
-            rows = [
-                jnp.broadcast_to(as_reals("Argument `u`", u.get(name, 0.0)), sizes[1:]) for name in self.input_labels
-            ]
-            u = jnp.stack(rows) if rows else None
+            if unknown := [name for name in u if name not in self.input_labels]:
+                raise ValueError(f"There is no input '{unknown[0]}'; there is {known}.")
+            rows = [as_reals("Argument `u`", u.get(name, 0.0)) for name in self.input_labels]
+            u = jnp.stack([jnp.broadcast_to(row, sizes[1:]) for row in rows]) if rows else None
         u = jnp.zeros(sizes) if u is None else as_reals("Argument `u`", u)
         u = u[None] if u.ndim == 1 and sizes[0] == 1 else u
         if u.shape != sizes:
@@ -375,7 +356,7 @@ def _solved(
     times: Float[Array, "k"],
     u: Float[Array, "k n_u"],
     start: Float[Array, "n_z"],
-    count: Any,
+    count: Array | None = None,
     *,
     substeps: int | None = None,
 ):
@@ -434,24 +415,9 @@ def time_varying(along: Any) -> TimeVarying:
     names = [tuple(s.name for s in signals) for signals in (model.labels.inputs, model.labels.outputs)]
     place = np.array([model.q_labels.index(name) for name in freedom_names], int)
     a, b, c, mass, start = _ordered(a, b, c, lin.M0, freedoms_of(motion), order, place)
-    return TimeVarying(
-        motion.t,
-        a,
-        b,
-        c,
-        d,
-        mass,
-        u0,
-        y0,
-        start,
-        lin.sigma,
-        None,
-        None,
-        None,
-        tuple(states),
-        *names,
-        origins=origins_of(model),
-    )
+    matrices, along_it = (a, b, c, d, mass), (u0, y0, start, lin.sigma)
+    none = None, None, None
+    return TimeVarying(motion.t, *matrices, *along_it, *none, tuple(states), *names, origins=origins_of(model))
 
 
 @jit

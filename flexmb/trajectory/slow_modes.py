@@ -7,19 +7,13 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import check_whole
 from ..compilation.compile import jit
 from ..linear.spectrum import spectrum
 from ..math.linear import factorise
-from .cubic import cubic_spline
+from .varying_equations import cubic_spline
 
 # Number of instants of a motion at which modes are computed.
 INSTANTS = 9
-
-
-def check_mode_count(modes: int, most: int) -> int:
-    """Number of modes to keep, checked against their number."""
-    return check_whole("modes", modes, 1, most)
 
 
 class SlowModes(NamedTuple):
@@ -117,49 +111,33 @@ def reduced_system(t: Float[Array, "n_t"], system: tuple[Array, ...], *, modes: 
     shapes = slow.shapes
     reduced_mass, damping, stiffness = projected(slow, mass, -mass @ by_rate, -mass @ by_q)
 
-    def at_one_time(
-        a: Float[Array, "z z"],
-        b: Float[Array, "z n_u"],
-        c: Float[Array, "n_y z"],
-        d: Float[Array, "n_y n_u"],
-        mass: Float[Array, "n n"],
-        reduced_mass: Float[Array, "modes modes"],
-        damping: Float[Array, "modes modes"],
-        stiffness: Float[Array, "modes modes"],
-        shapes: Float[Array, "n modes"],
-        rates: Float[Array, "n modes"],
-        second: Float[Array, "n modes"],
-        flexibility: Float[Array, "n n"],
-    ):
+    def at_one_time(at: tuple[Array, ...]):
+        a, b, c, d, mass, reduced_mass, damping, stiffness, shapes, rates, second, flexibility = at
         more = a.shape[0] - 2 * n
         still, beside = jnp.zeros_like(shapes), jnp.zeros((n, more))
         velocity = jnp.concatenate([rates, shapes, beside], axis=1)
         transformation = jax.scipy.linalg.block_diag(jnp.block([[shapes, still], [rates, shapes]]), jnp.eye(more))
-        momenta, force = shapes.T @ mass, mass @ b[below]
-        factors = factorise(reduced_mass)
+        momenta, factors = shapes.T @ mass, factorise(reduced_mass)
         # States are shifted by inputs that move held things.
-        pushed = jnp.concatenate([a[:n, 2 * n :], b[:n]], axis=1)
-        pushed = factors.solve(momenta @ pushed)
-        upper = jnp.eye(modes, 2 * modes, k=modes)
-        upper, over = jnp.concatenate([upper, pushed[:, :more]], axis=1), pushed[:, more:]
-        forces = jnp.concatenate(
-            [-stiffness, -damping, momenta @ (a[below, 2 * n :] - rates @ pushed[:, :more])], axis=1
-        )
-        lower, drive = factors.solve(forces), factors.solve(momenta @ (b[below] - rates @ over))
+        pushed = factors.solve(momenta @ jnp.concatenate([a[:n, 2 * n :], b[:n]], axis=1))
+        upper = jnp.concatenate([jnp.eye(modes, 2 * modes, k=modes), pushed[:, :more]], axis=1)
+        over = pushed[:, more:]
+        by_more = momenta @ (a[below, 2 * n :] - rates @ pushed[:, :more])
+        lower = factors.solve(jnp.concatenate([-stiffness, -damping, by_more], axis=1))
+        drive = factors.solve(momenta @ (b[below] - rates @ over))
         # Quasi-static response of the rest to inputs, damping and inertia of the kept amplitudes.
         acceleration = jnp.concatenate([second, 2 * rates, beside], axis=1) + shapes @ lower
         by_state = flexibility @ (mass @ (a[below, below] @ velocity - acceleration))
-        by_input = flexibility @ (force - mass @ (shapes @ drive))
-        seen = c[:, :n]
+        by_input = flexibility @ (mass @ b[below] - mass @ (shapes @ drive))
         return (
             jnp.concatenate([upper, lower, a[2 * n :] @ transformation]),
             jnp.concatenate([over, drive, b[2 * n :]]),
-            c @ transformation + seen @ by_state,
-            d + seen @ by_input,
+            c @ transformation + c[:, :n] @ by_state,
+            d + c[:, :n] @ by_input,
         )
 
-    arguments = whole_a, whole_b, whole_c, whole_d, mass, reduced_mass, damping, stiffness, *slow
-    parts = jax.lax.map(lambda numbers: at_one_time(*numbers), arguments)
+    rows = whole_a, whole_b, whole_c, whole_d, mass, reduced_mass, damping, stiffness, *slow
+    parts = jax.lax.map(at_one_time, rows)
     start = jnp.concatenate([*amplitudes(slow, mass, z0[:n], z0[below]), z0[2 * n :]])
     still = jnp.swapaxes(shapes, 1, 2) @ (-mass @ by_q) @ shapes
     return (*parts, reduced_mass, start), shapes, still

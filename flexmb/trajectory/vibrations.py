@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import jax
@@ -10,7 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float, Int
 
-from ..arguments import check_numbers, is_concrete
+from ..arguments import check_numbers, check_whole, is_concrete
 from ..compilation.compile import jit, jit_beside_options
 from ..compilation.record import Record
 from ..control.second_order_form import second_order
@@ -28,9 +29,8 @@ from ..motion.motion import Motion
 from ..motion.moving_matrices import state_at_rates
 from ..results import RESULTS, check
 from .about_motion import about, cancelling_loads, check_freedoms, freedoms_of
-from .cubic import Spline, cubic_spline
-from .slow_modes import SlowModes, amplitudes, check_mode_count, projected, slow_modes
-from .varying_equations import integrate_varying, with_halved_steps
+from .slow_modes import SlowModes, amplitudes, projected, slow_modes
+from .varying_equations import Spline, cubic_spline, integrate_varying, with_halved_steps
 
 
 class Perturbation(Result, Record):
@@ -197,7 +197,7 @@ def _full_motion(
 
 @jit
 def _vibrations(
-    equations: Spline, q: Float[Array, "k"], qd: Float[Array, "k"], count: Any, *, substeps: int | None = None
+    equations: Spline, q: Float[Array, "k"], qd: Float[Array, "k"], count: Any = None, *, substeps: int | None = None
 ):
     n = q.shape[0]
 
@@ -262,7 +262,8 @@ def perturbation(
     """
     motion, _, holding = about(nominal, "perturbation")
     model, t, names = motion.model, motion.t, motion.model.q_labels
-    start = [_as_freedoms(name, value, names) for name, value in (("q", q), ("qd", qd))]
+    one_each = f"one number for each of the {len(names)} degrees of freedom ({', '.join(names)})"
+    start = [_as_array(name, value, (len(names),), one_each) for name, value in (("q", q), ("qd", qd))]
     free_indices = _free_numbers(names, held)
     check_freedoms(motion)
     lin = motion.linearizations()
@@ -272,17 +273,14 @@ def perturbation(
         check(worst, True, without_mass(model) if worst == RESULTS.singular_mass else "")
     force, inputs = -holding, jnp.zeros((len(t), 0))
     if u is not None:
-        inputs = _as_inputs(u, len(t), len(model.labels.inputs))
+        count = len(model.labels.inputs)
+        rows = f"a row for each of the {len(t)} times and a column for each of the {count} inputs"
+        inputs = _as_array("u", u, (len(t), count), rows)
         force = force + _pushed(lin, inputs)
     if modes is not None:
-        check_mode_count(modes, len(free_indices))
+        check_whole("modes", modes, 1, len(free_indices))
     start = tuple(value[free_indices] for value in start)
     equations, start, slow = _equations(t, m, force, start, free_indices, modes=modes)
-
-    def run(count: int | Array):
-        if isinstance(count, int):
-            return _vibrations(equations, *start, None, substeps=count)
-        return _vibrations(equations, *start, count)
 
     def full_motion(p: Float[Array, "n_t k"], pd: Float[Array, "n_t k"]):
         return _full_motion(equations, m, force, free_indices, slow, p, pd)
@@ -296,33 +294,21 @@ def perturbation(
         return float(change / jnp.where(size > 0, size, 1.0))
 
     traced = not is_concrete((m, start, force))
+    run = partial(_vibrations, equations, *start)
     (solution, rates), error, count = with_halved_steps(run, difference, substeps, rtol, traced, "The vibration")
     moved, moving = full_motion(solution, rates)
     holding = holding - _servo_forces(m, force, free_indices, moved, moving)
     return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))
 
 
-def _as_freedoms(name: str, value: Any, names: list[str]) -> Float[Array, "n_q"]:
+def _as_array(name: str, value: Any, shape: tuple[int, ...], contents: str) -> Array:
+    """Argument of a given shape, zero by default."""
     if value is None:
-        return jnp.zeros(len(names))
+        return jnp.zeros(shape)
     check_numbers(f"Argument `{name}`", value)
     array = jnp.asarray(value, float)
-    if array.shape != (len(names),):
-        raise ValueError(
-            f"Argument `{name}` must have one number for each of the {len(names)} degrees of freedom"
-            f" ({', '.join(names)}), but has shape {array.shape}."
-        )
-    return array
-
-
-def _as_inputs(u: Any, times: int, inputs: int) -> Float[Array, "n_t n_u"]:
-    check_numbers("Argument `u`", u)
-    array = jnp.asarray(u, float)
-    if array.shape != (times, inputs):
-        raise ValueError(
-            f"Argument `u` must have a row for each of the {times} times and a column for each of the {inputs} inputs,"
-            f" but has shape {array.shape}."
-        )
+    if array.shape != shape:
+        raise ValueError(f"Argument `{name}` must have {contents}, but has shape {array.shape}.")
     return array
 
 

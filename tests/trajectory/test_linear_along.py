@@ -16,8 +16,7 @@ from scipy.integrate import solve_ivp
 import flexmb as fm
 from flexmb import planar
 from flexmb.mechanisms import mechanism_path
-from flexmb.trajectory.cubic import cubic_spline
-from flexmb.trajectory.varying_equations import integrate_varying
+from flexmb.trajectory.varying_equations import cubic_spline, integrate_varying
 
 # The shipped elevator: radius, free length, mass of a weight, inertia of the pulley, EA and EdA of the belts, motor.
 RADIUS, FREE, WEIGHT, INERTIA, EA, EDA, MOTOR, DAMPER = 0.1, 0.2, 10.0, 0.3, 1000.0, 2.5, 12.5, 3.0
