@@ -3733,8 +3733,8 @@ FAULTS = [
     ),
     Fault(
         "trajectory/vibrations.py",
-        "(*nominal.driven, *cancelling_loads(model, self.t, self.held))",
-        "nominal.driven",
+        "(*driven, *loads_of_freedoms(model.topology, self.t, -self.held))",
+        "driven",
         "trajectory/test_vibrations.py -k nonlinear_motion",
         slow=True,
     ),
@@ -3751,9 +3751,9 @@ FAULTS = [
     Fault("trajectory/laws.py", "-np.pi * ratio / root", "-np.pi * ratio", "trajectory/test_laws.py -k shapers"),
     Fault("trajectory/inverse.py", "second - reached", "second", "trajectory/test_inverse.py -k dimension", slow=True),
     Fault(
-        "trajectory/inverse.py",
-        "computed(lambda _, f: -f[:, n:], f0)",
-        "computed(lambda _, f: f[:, n:], f0)",
+        "trajectory/about_motion.py",
+        "lambda _, f: -f[:, n:]",
+        "lambda _, f: f[:, n:]",
         "trajectory/test_inverse.py -k held",
         slow=True,
     ),

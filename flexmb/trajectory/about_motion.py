@@ -164,18 +164,11 @@ def _freedoms(
     return jax.lax.map(at_one_time, (x, xd, near))
 
 
-def cancelling_loads(model: Model, t: Float[Array, "n_t"], held: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
-    """Loads that cancel, along a motion, the forces that hold the degrees of freedom."""
-    top = model.topology
+def loads_of_freedoms(top: Topology, t: Float[Array, "n_t"], f: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:
+    """Forces along the degrees of freedom over time, as loads that are exact at the times."""
     n = top.x.dof.shape[0]
-    if is_concrete(held) and not np.any(np.asarray(held)):
-        return ()
-    loads = []
-    if n:
-        loads.append(Driven("force", top.x.dof, Table(t, -held[:, :n])))
-    if top.n_q > n:
-        loads.append(Driven("stress", top.e.dof, Table(t, held[:, n:])))
-    return tuple(loads)
+    parts = ("force", top.x.dof, lambda _, f: f[:, :n]), ("stress", top.e.dof, lambda _, f: -f[:, n:])
+    return tuple(Driven(quantity, at, Table(t, computed(part, f))) for quantity, at, part in parts if at.shape[0])
 
 
 def check_freedoms(motion: Motion) -> None:

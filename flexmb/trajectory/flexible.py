@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
+from numpy.polynomial import polynomial
 
 from ..arguments import checked_times, is_concrete, short_repr
 from ..compilation.record import Record, static
@@ -235,12 +236,9 @@ def _check_smooth(name: str, law: Any, degree: int) -> None:
     breaks, coefficients = np.asarray(law.breaks), np.asarray(law.coefficients)
     lengths = np.diff(breaks)
     for order in range(degree):
-        begins, ends, largest = [], [], 0.0
-        for piece, length in zip(coefficients, lengths, strict=True):
-            polynomial = np.polynomial.Polynomial(piece).deriv(order) if order else np.polynomial.Polynomial(piece)
-            begins.append(float(polynomial(0.0)))
-            ends.append(float(polynomial(length)))
-            largest = max(largest, float(np.sum(np.abs(polynomial.coef) * length ** np.arange(len(polynomial.coef)))))
+        pieces = polynomial.polyder(coefficients, order, axis=1)
+        terms = pieces * lengths[:, None] ** np.arange(pieces.shape[1])
+        begins, ends, largest = pieces[:, 0], np.sum(terms, axis=1), np.max(np.sum(np.abs(terms), axis=1))
         before = [begins[0] if order == 0 else 0.0, *ends]
         after = [*begins, ends[-1] if order == 0 else 0.0]
         jumps = np.abs(np.array(before) - np.array(after))
@@ -281,11 +279,7 @@ def _followed(inverse: _Inverse, laws: Sequence[Callable[..., Any]], names: Sequ
         eta = _internal(inverse, every, grid, at)
     z = at[:, :n_xi] @ inverse.lift.T + eta @ inverse.internal.T
     u = (at[:, n_xi:] - z @ inverse.row.T) @ inverse.gain.T
-    firsts = np.cumsum([0, *inverse.degrees[:-1]])
-    y = np.stack(
-        [at[:, k] if r else at[:, n_xi + i] for i, (k, r) in enumerate(zip(firsts, inverse.degrees, strict=True))]
-    )
-    return z, u, y.T
+    return z, u, at[:, _places_of_outputs(inverse.degrees)]
 
 
 def _derivative(f: Callable[..., Any]):
@@ -308,51 +302,52 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
     nodes = (1 - np.cos(np.pi * (2 * np.arange(DEGREE + 1) + 1) / (2 * DEGREE + 2))) / 2
     places = (grid[:-1, None] + nodes * lengths[:, None]).ravel()
     followed = np.asarray(every(jnp.asarray(places))).reshape(len(lengths), DEGREE + 1, -1)
-    to_powers = np.linalg.inv(np.polynomial.polynomial.polyvander(nodes - 0.5, DEGREE))
+    to_powers = np.linalg.inv(polynomial.polyvander(nodes - 0.5, DEGREE))
     about_middle = np.einsum("pn,ind->ipd", to_powers, followed)
 
-    def steps(q: np.ndarray, p: np.ndarray, backwards: bool):
-        """States from interval to interval, in the direction in which they decay."""
-        direction = -1.0 if backwards else 1.0
-        # Derivatives by the share of the interval, where the step begins.
-        shift = np.array(
-            [
-                [math.perm(k, j) * (-0.5 * direction) ** (k - j) if k >= j else 0.0 for k in range(DEGREE + 1)]
-                for j in range(DEGREE + 1)
-            ]
-        )
-        ahead = (direction ** np.arange(DEGREE + 1))[:, None] * shift
-        begun = np.einsum("jp,ipd->ijd", ahead, about_middle)
+    def steps(q: np.ndarray, p: np.ndarray, direction: int):
+        """States from interval to interval, in the direction in which they decay: 1 for forwards, -1 for back."""
         state = np.zeros((len(grid), len(q)))
-        order = range(len(lengths))[::-1] if backwards else range(len(lengths))
-        first = at[-1 if backwards else 0].copy()
-        still = _at_rest(first, inverse.degrees)
-        state[-1 if backwards else 0] = -np.linalg.solve(q, p @ still)
-        transitions: dict[float, np.ndarray] = {}
-        for i in order:
-            key = float(f"{lengths[i]:.12g}")
-            if key not in transitions:
-                transitions[key] = _transition(direction * q, direction * p, lengths[i])
-            start, end = (i + 1, i) if backwards else (i, i + 1)
-            state[end] = transitions[key] @ np.concatenate([state[start], begun[i].ravel()])
-        return state
+        if not len(q):
+            return state
+        # Derivatives by the share of the interval, where the step begins.
+        powers = np.eye(DEGREE + 1)
+        shift = np.array(
+            [polynomial.polyval(-0.5 * direction, polynomial.polyder(powers, j)) for j in range(len(powers))]
+        )
+        ahead = (float(direction) ** np.arange(DEGREE + 1))[:, None] * shift
+        begun = np.einsum("jp,ipd->ijd", ahead, about_middle[::direction])
+        state[0] = -np.linalg.solve(q, p @ _at_rest(at[::direction][0], inverse.degrees))
+        transitions = _by_length(partial(_transition, direction * q, direction * p), lengths[::direction])
+        for i, transition in enumerate(transitions):
+            state[i + 1] = transition @ np.concatenate([state[i], begun[i].ravel()])
+        return state[::direction]
 
-    parts = [
-        steps(q, p, backwards) if len(q) else np.zeros((len(grid), 0))
-        for q, p, backwards in ((fast, decaying, False), (slow, growing, True))
-    ]
-    forwards, back = parts
+    forwards, back = steps(fast, decaying, 1), steps(slow, growing, -1)
     return np.concatenate([forwards + back @ x.T, back], axis=1) @ z.T
+
+
+def _places_of_outputs(degrees: list[int]) -> np.ndarray:
+    """Places of the outputs themselves: derivatives of degree zero stand after all others."""
+    firsts, n_xi = np.cumsum([0, *degrees[:-1]]), sum(degrees)
+    return np.where(np.array(degrees) > 0, firsts, n_xi + np.arange(len(degrees)))
 
 
 def _at_rest(values: np.ndarray, degrees: list[int]):
     """Outputs with all their derivatives zero."""
-    still, n_xi = np.zeros_like(values), sum(degrees)
-    firsts = np.cumsum([0, *degrees[:-1]])
-    for i, (first, degree) in enumerate(zip(firsts, degrees, strict=True)):
-        place = first if degree else n_xi + i
-        still[place] = values[place]
+    still, places = np.zeros_like(values), _places_of_outputs(degrees)
+    still[places] = values[places]
     return still
+
+
+def _by_length(transition: Callable[[float], np.ndarray], lengths: np.ndarray) -> Iterator[np.ndarray]:
+    """Matrix of each interval, computed once for equal lengths."""
+    matrices: dict[str, np.ndarray] = {}
+    for length in lengths:
+        key = f"{length:.12g}"
+        if key not in matrices:
+            matrices[key] = transition(length)
+        yield matrices[key]
 
 
 def _transition(q: np.ndarray, p: np.ndarray, length: float) -> np.ndarray:
@@ -370,12 +365,7 @@ def _error_from_rest(a: np.ndarray, c: np.ndarray, z: np.ndarray, grid: np.ndarr
     """Largest output of the part that a start from rest leaves out, in free motion."""
     import scipy.linalg
 
-    missing, lengths, transitions = -z[0], np.diff(grid), {}
-    largest = float(np.max(np.abs(c @ missing), initial=0.0))
-    for length in lengths:
-        key = float(f"{length:.12g}")
-        if key not in transitions:
-            transitions[key] = scipy.linalg.expm(a * length)
-        missing = transitions[key] @ missing
-        largest = max(largest, float(np.max(np.abs(c @ missing), initial=0.0)))
-    return largest
+    missing = [-z[0]]
+    for transition in _by_length(lambda length: scipy.linalg.expm(a * length), np.diff(grid)):
+        missing.append(transition @ missing[-1])
+    return float(np.max(np.abs(np.array(missing) @ c.T), initial=0.0))

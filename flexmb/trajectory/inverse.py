@@ -35,7 +35,7 @@ from ..motion.moving_matrices import dynamic_balance, state_at_rates
 from ..numerical_limits import MISSED_CONFIGURATION
 from ..results import RESULTS, check, or_nan, outcome_text
 from ..statics.coarse import warn_of_needless_strain
-from .about_motion import outputs_of
+from .about_motion import loads_of_freedoms, outputs_of
 from .laws import Law, as_law, rates, sampled
 
 # Largest change of wanted quantities between two solutions, as a share of the mechanism's extent or in radians.
@@ -218,19 +218,10 @@ def inverse_dynamics(
     count = len(times)
     loads = _as_loads(model, times, solution.u0, solution.f0)
     none, no_steps = jax.device_put((np.zeros((count, 0)), np.zeros((), np.int32)))
-    motion = Motion(
-        times,
-        solution.x,
-        solution.xd,
-        solution.near,
-        none,
-        no_steps,
-        computed(lambda xp, result: xp.max(result), solution.result),
-        (*laws, *loads),
-        model,
-        "coordinates",
-        "inverse dynamics",
-    )
+    worst = computed(lambda xp, result: xp.max(result), solution.result)
+    state = solution.x, solution.xd, solution.near
+    run = worst, (*laws, *loads), model, "coordinates", "inverse dynamics"
+    motion = Motion(times, *state, none, no_steps, *run)
     y0 = solution.y0
     if _are_of_the_motion(model.labels.outputs):
         warn_of_full_turns(motion, model.parameters.reference)
@@ -305,15 +296,13 @@ def _sorted(
 ) -> tuple[dict[str, FollowedQuantity], dict[str, Callable]]:
     """Laws of free quantities, and laws of PRESCRIBED ones."""
     top = as_known_model(model, "trajectory.inverse_dynamics", numbers=False).topology
-    prescribed_indices = {"x": np.asarray(top.x.prescribed).tolist(), "e": np.asarray(top.e.prescribed).tolist()}
-    fixed = {"x": np.asarray(top.x.fixed).tolist(), "e": np.asarray(top.e.fixed).tolist()}
-    e_names = [str(entry) for entry in model.labels.e]
+    sets, e_names = {"x": top.x, "e": top.e}, [str(entry) for entry in model.labels.e]
     targets, prescribed = {}, {}
     for name, law in trajectory.items():
         law = as_law(f"Trajectory '{name}'", law)
         turn = f"{turn_of(str(name))}.e1"
         place = quantity_place(model, name)
-        if turn in e_names and e_names.index(turn) in prescribed_indices["e"]:
+        if turn in e_names and e_names.index(turn) in np.asarray(top.e.prescribed):
             prescribed[name] = law
         elif place is None:
             known = [*model.q_labels, *(signal.name for signal in model.labels.outputs)]
@@ -321,10 +310,10 @@ def _sorted(
                 f"Trajectory '{name}' names no coordinate, deformation or output. There are, among others,"
                 f" {among(known, name)}."
             )
-        elif place.quantity in prescribed_indices and int(place.index) in prescribed_indices[place.quantity]:
+        elif place.quantity in sets and place.index in np.asarray(sets[place.quantity].prescribed):
             labels = model.labels.x if place.quantity == "x" else model.labels.e
             prescribed[str(labels[int(place.index)])] = law
-        elif place.quantity in fixed and int(place.index) in fixed[place.quantity]:
+        elif place.quantity in sets and place.index in np.asarray(sets[place.quantity].fixed):
             raise ModelError(f"Trajectory '{name}' belongs to a FIXED coordinate or deformation, which cannot move.")
         else:
             targets[name] = FollowedQuantity(place, law)
@@ -348,14 +337,8 @@ def _driven_freedoms(model: Model, targets: dict[str, FollowedQuantity], driven:
         raise ModelError("Two laws of `trajectory` belong to the same degree of freedom: leave one out.")
     if driven is not None:
         as_written = {name.replace(".rotation.", "."): name for name in names}
-        driven_labels = [as_written.get(name, name) for name in driven]
-        unknown = [name for name in driven_labels if name not in names]
-        if isinstance(driven, str) or unknown:
-            rejected = driven if isinstance(driven, str) else unknown[0]
-            raise ModelError(
-                f"Argument `driven` must be a list of degrees of freedom, {among(names, rejected)}; not {rejected!r}."
-            )
-        chosen = [names.index(name) for name in driven_labels]
+        written = driven if isinstance(driven, str) else [as_written.get(name, name) for name in driven]
+        chosen = _numbers_of("driven", "degrees of freedom", written, names)
         chosen = target_freedoms + [i for i in chosen if i not in target_freedoms]
         if len(chosen) != len(targets):
             raise ModelError(
@@ -394,13 +377,9 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
     if inputs is None:
         chosen = [i for i, signal in enumerate(model.labels.inputs) if signal.quantity not in ORDERS]
     else:
-        unknown = [name for name in inputs if name not in names]
-        if isinstance(inputs, str) or unknown:
-            rejected = inputs if isinstance(inputs, str) else unknown[0]
-            raise ModelError(f"Argument `inputs` must be a list of inputs, {among(names, rejected)}; not {rejected!r}.")
+        chosen = _numbers_of("inputs", "inputs", inputs, names)
         if len(set(inputs)) < len(inputs):
             raise ModelError(f"Argument `inputs` names an input twice: {among(inputs)}.")
-        chosen = [names.index(name) for name in inputs]
     if inputs is None and not count:
         # PRESCRIBED motions need no input.
         return []
@@ -411,6 +390,15 @@ def _acting_inputs(model: Model, inputs: Sequence[str] | None, count: int) -> li
             " builder, and select the driving inputs by `inputs`."
         )
     return chosen
+
+
+def _numbers_of(argument: str, what: str, chosen: Sequence[str], names: list[str]) -> list[int]:
+    """Places of chosen names; raise ModelError for another name or no list."""
+    unknown = [chosen] if isinstance(chosen, str) else [name for name in chosen if name not in names]
+    if unknown:
+        known = among(names, unknown[0])
+        raise ModelError(f"Argument `{argument}` must be a list of {what}, {known}; not {unknown[0]!r}.")
+    return [names.index(name) for name in chosen]
 
 
 def _are_of_the_motion(outputs: Sequence[Signal]) -> bool:
@@ -501,11 +489,6 @@ class _Corrected(NamedTuple):
 _Goal = tuple[tuple[Any, Any], Any, Any]
 
 
-def _between(a: _Goal, b: _Goal, share: Any) -> _Goal:
-    """A goal between two goals."""
-    return jax.tree.map(lambda a, b: a + share * (b - a), a, b)
-
-
 class _Follower(NamedTuple):
     """A mechanism that follows laws: equations, laws, numbers of the driven freedoms, and sizes of the coordinates."""
 
@@ -589,7 +572,7 @@ class _Follower(NamedTuple):
 
         def step(i: Array, at: _At):
             share = (i + 1).astype(float) / count.astype(float)
-            return self.settled(_between(*goals, share), at)
+            return self.settled(jax.tree.map(lambda a, b: a + share * (b - a), *goals), at)
 
         at = jax.lax.fori_loop(0, count, step, at)
         return at._replace(x=jnp.where(within, at.x, jnp.nan))
@@ -715,8 +698,6 @@ def _output(form: CoordinatesForm, signal: Signal, moving: Moving) -> Float[Arra
     if signal.axis is not None and order:
         rotation_indices = signal.index + jnp.arange(4)
         return rotation_row(x[rotation_indices], signal.axis, signal.local) @ (v, a)[order - 1][rotation_indices]
-    if place.quantity == "x" and order:
-        return (v, a)[order - 1][signal.index]
 
     def value(x: Float[Array, "n_x"]):
         return _measured(form, [place], x, last_strain)[0]
@@ -731,18 +712,13 @@ def _as_loads(
     model: Model, times: Float[Array, "n_t"], u0: Float[Array, "n_t n_u"], f0: Float[Array, "n_t n_q"]
 ) -> tuple[Driven, ...]:
     """Inputs and holding forces as loads over time, exact at the times."""
-    top, loads = model.topology, []
+    loads = []
     if model.labels.inputs:
         constant: Any = _driven_by_inputs(model.without_names(), u0)
         # Loads act at the same places at all times.
         for load in constant:
             loads.append(Driven(load.quantity, computed(lambda _, at: at[0], load.at), Table(times, load.value.value)))
-    n = top.x.dof.shape[0]
-    if n:
-        loads.append(Driven("force", top.x.dof, Table(times, computed(lambda _, f: f[:, :n], f0))))
-    if top.n_q > n:
-        loads.append(Driven("stress", top.e.dof, Table(times, computed(lambda _, f: -f[:, n:], f0))))
-    return tuple(loads)
+    return (*loads, *loads_of_freedoms(model.topology, times, f0))
 
 
 @jit

@@ -356,7 +356,7 @@ def _solved(
     times: Float[Array, "k"],
     u: Float[Array, "k n_u"],
     start: Float[Array, "n_z"],
-    count: Array | None = None,
+    count: Any = None,
     *,
     substeps: int | None = None,
 ):

@@ -28,7 +28,7 @@ from ..motion.drive import Driven
 from ..motion.motion import Motion
 from ..motion.moving_matrices import state_at_rates
 from ..results import RESULTS, check
-from .about_motion import about, cancelling_loads, check_freedoms, freedoms_of
+from .about_motion import about, check_freedoms, freedoms_of, loads_of_freedoms
 from .slow_modes import SlowModes, amplitudes, projected, slow_modes
 from .varying_equations import Spline, cubic_spline, integrate_varying, with_halved_steps
 
@@ -89,7 +89,9 @@ class Perturbation(Result, Record):
         moved = (nominal.t, nominal.x, nominal.near, self.q, q + self.q, qd + self.qd)
         x, xd, last_strain = _placed(model.topology, model.parameters, nominal.driven, *moved)
         steps = (nominal.t.shape[0] - 1) * self.substeps
-        driven = (*nominal.driven, *cancelling_loads(model, self.t, self.held))
+        driven = nominal.driven
+        if not is_concrete(self.held) or np.any(np.asarray(self.held)):
+            driven = (*driven, *loads_of_freedoms(model.topology, self.t, -self.held))
         return Motion(
             self.t, x, xd, last_strain, self.u, steps, nominal.result, driven, model, "perturbation method", "Radau IIA"
         )
