@@ -572,7 +572,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
     from .answers.mode_1_simulate import motions_of
     from .fmu.plant import units_of
     from .model.roles import Role
-    from .spacar.laws import laws_of
+    from .spacar.trajectories import laws_of
 
     def with_signals(model: Any) -> Any:
         if not model.labels.inputs or not model.labels.outputs:

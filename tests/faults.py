@@ -2965,19 +2965,19 @@ FAULTS = [
         "spacar/test_trajectories.py -k one_fault",
     ),
     Fault(
-        "spacar/laws.py",
+        "spacar/trajectories.py",
         "legs, float(start), float(reference)",
         "legs, 0.0, float(reference)",
         "answers/test_trajectory.py -k not_used",
     ),
     Fault(
-        "spacar/laws.py",
+        "spacar/trajectories.py",
         "leg.value - reference), leg.value",
         "leg.value), leg.value",
         "answers/test_trajectory.py -k follow",
     ),
-    Fault("spacar/laws.py", "if leg.start > breaks[-1]:", "if True:", "answers/test_trajectory.py -k follow"),
-    Fault("spacar/laws.py", '"jerk": 60.75', '"jerk": 60.0', "answers/test_trajectory.py -k thirds"),
+    Fault("spacar/trajectories.py", "if leg.start > breaks[-1]:", "if True:", "answers/test_trajectory.py -k follow"),
+    Fault("spacar/trajectories.py", '"jerk": 60.75', '"jerk": 60.0', "answers/test_trajectory.py -k thirds"),
     Fault(
         "answers/mode_2_inverse.py",
         "(found.y0) + origins(motion.model)",

@@ -21,8 +21,8 @@ from ..motion.linearized import linearize_motion
 from ..motion.motion import Motion
 from ..motion.simulate import simulate
 from ..results import RESULTS
-from ..spacar.laws import laws_of, role_of, ways_of
 from ..spacar.reading import Setting
+from ..spacar.trajectories import laws_of, role_of, ways_of
 from ..trajectory.about_motion import inputs_that_move, outputs_of
 from .answer_parts import SHOWN_VALUES, is_shown, row
 from .mode import Mode, ModeRequest, ModeResult

@@ -10,9 +10,8 @@ from ..build.description import Key, NamedSignal
 from ..errors import SpacarError
 from ..model.by_name import TURNS
 from ..model.roles import Role
-from ..spacar.laws import Way, laws_of, role_of, ways_of
 from ..spacar.reading import Channel
-from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS
+from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS, Way, laws_of, role_of, ways_of
 from ..trajectory.inverse import Nominal, inverse_dynamics
 from .answer_parts import SHOWN_VALUES, row
 from .mode import Mode, ModeRequest, ModeResult

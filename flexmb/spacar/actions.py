@@ -13,29 +13,28 @@ from ..elements.spectral import LARGEST_ORDER
 from ..errors import printable
 from ..model.roles import Role
 from . import series as series
-from .kinds import NOTHING, SIZES, ElementKind, leaf_section
-from .lines import DRAWING, Fault, Statement, known
-from .reading import Declared, Reading, Setting
+from .kinds import KINDS, NOTHING, SIZES, leaf_section
+from .lines import DRAWING, Fault, Statement, is_zero, known
+from .reading import NOUNS, Declared, Reading, Setting
 
 Values = dict[str, Any]
 VECTORS = ("y1", "y2", "y3", "axis1", "axis2", "axis3", "x1", "x2", "x3")
 
 
-def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...]) -> None:
-    """An element line, which introduces its nodes; ``kinds`` belong to the keyword, one for each form."""
-    kind = next(k for k in kinds if set(k.node_names) <= set(p))
+def declare(r: Reading, s: Statement, p: Values) -> None:
+    """An element line, which introduces its nodes; a keyword has a kind for each of its forms."""
+    kind = next(k for k in KINDS if k.keyword == s.keyword and set(k.node_names) <= set(p))
     number, nodes = p["element"], [p[name] for name in kind.node_names]
     if number in r.elements:
         raise Fault(f"is defined already on line {r.elements[number].statement.line}; give each element its own number")
     first = next(iter(r.elements.values()), None)
     if first is not None and first.kind.dimension != kind.dimension:
         names = {2: "planar", 3: "spatial"}
-        other = first.kind
-        raise Fault(
-            f"{kind.keyword} is {names[kind.dimension]}, but {other.keyword} on line {first.statement.line} is"
-            f" {names[other.dimension]}; a mechanism is either planar or spatial"
-        )
-    _check_ends(kind, p)
+        other = f"{first.kind.keyword} on line {first.statement.line} is {names[first.kind.dimension]}"
+        raise Fault(f"{kind.keyword} is {names[kind.dimension]}, but {other}; a mechanism is either planar or spatial")
+    for p_end, q_end in (("xp", "xq") if "xp" in p else ("rotp", "rotq"), ("warpp", "warpq")):
+        if p_end in p and p[p_end] == p[q_end]:
+            raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
     if p.get("p", 1) > LARGEST_ORDER:
         raise Fault(f"p, the coefficients of a strain field, must be at most {LARGEST_ORDER}, but is {p['p']}")
     named: dict[int, tuple[NodeKind, Statement]] = {}
@@ -50,12 +49,6 @@ def declare(r: Reading, s: Statement, p: Values, kinds: tuple[ElementKind, ...])
     vector = [p[name] for name in VECTORS if name in p]
     others = {prop: p[name] for name, prop in kind.numbers}
     r.elements[number] = Declared(s, kind, tuple(nodes), vector or None, p.get("p"), others)
-
-
-def _check_ends(kind: ElementKind, p: Values) -> None:
-    for p_end, q_end in (("xp", "xq") if "xp" in p else ("rotp", "rotq"), ("warpp", "warpq")):
-        if p_end in p and p[p_end] == p[q_end]:
-            raise Fault(f"joins node {p[p_end]} to itself; {kind.keyword} needs two nodes {p_end} and {q_end}")
 
 
 def _part(kind: NodeKind) -> str:
@@ -88,7 +81,7 @@ def section_numbers(r: Reading, s: Statement, p: Values) -> None:
     if len(values) > len(names):
         raise Fault(f"{kind.keyword} takes at most {_counted(names)}, but {len(values)} are given")
     for name, value in zip(names, values, strict=False):
-        if name == NOTHING and not (known(value) and value == 0):
+        if name == NOTHING and not is_zero(value):
             missing = "rotary inertia" if s.keyword == "EM" else "shear deformation"
             raise Fault(f"{kind.keyword} has no {missing}: this number must be 0, but is {value}")
         if name not in ("stiffness", "damping", "Jyz") and known(value) and value < 0:
@@ -135,14 +128,13 @@ def _counted(names: tuple[str, ...]) -> str:
 
 def _take_role(r: Reading, s: Statement, owner: int, components: list[int], kind: str, repeatable: bool) -> list[int]:
     """Give entries a role, and return their numbers, each once."""
-    noun = "coordinate" if kind == "node" else "deformation"
+    noun, again = NOUNS[kind], []
     named: dict[int, int] = {}
     for i, component in enumerate(components):
         if component in components[:i]:
             raise Fault(f"{noun} {component} is named twice")
         for number in r.meant(owner, component, kind):
             named.setdefault(number, component)
-    again: dict[int, Statement] = {}
     for number, component in named.items():
         first = r.roles.get((kind, owner, number))
         if first is not None and (first.keyword != s.keyword or not repeatable):
@@ -151,9 +143,9 @@ def _take_role(r: Reading, s: Statement, owner: int, components: list[int], kind
                 " allowed"
             )
         if first is not None:
-            again.setdefault(component, first)
-    for component, first in list(again.items())[:1]:
-        r.warnings.append((s, f"{noun} {component} of {kind} {owner} is named already on line {first.line}"))
+            again.append(f"{noun} {component} of {kind} {owner} is named already on line {first.line}")
+    for text in again[:1]:
+        r.warn(s, text)
     r.roles |= {(kind, owner, number): s for number in named}
     return list(named)
 
@@ -171,9 +163,7 @@ def release(r: Reading, s: Statement, p: Values) -> None:
     numbers = _take_role(r, s, p["element"], p["deformation"], "element", repeatable=True)
     r.builder.release(str(p["element"]), *numbers)
     if r.declared(p["element"]).kind.keyword in ("RBEAM", "PINBODY", "PLRBEAM", "PLPINBODY"):
-        r.warnings.append(
-            (s, "deformations of a rigid offset are measured along axes that start global and turn with p")
-        )
+        r.warn(s, "deformations of a rigid offset are measured along axes that start global and turn with p")
 
 
 def degree_of_freedom(r: Reading, s: Statement, p: Values) -> None:
@@ -251,8 +241,8 @@ def motion(r: Reading, s: Statement, p: Values) -> None:
     r.builder.prescribe(str(owner), component, p["value"] - start_of(r.builder, kind, owner, component), kind=kind)
     rates = p.get("velocity", 0.0), p.get("acceleration", 0.0)
     r.settings.setdefault(s.keyword, []).append((owner, component, p["value"], *rates))
-    if any(not known(rate) or rate != 0 for rate in rates):
-        r.warnings.append((s, RATES_IDLE))
+    if any(not is_zero(rate) for rate in rates):
+        r.warn(s, RATES_IDLE)
 
 
 def motion_increment(r: Reading, s: Statement, p: Values) -> None:
@@ -271,7 +261,7 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
     member = r.builder.members[str(element)]
     if r.declared(element).kind.sized:
         first = member.element.fields[0][0]
-        if nonzero := [i for i, v in enumerate(values[: first - 1], 1) if not (known(v) and v == 0)]:
+        if nonzero := [i for i, v in enumerate(values[: first - 1], 1) if not is_zero(v)]:
             keyword = r.declared(element).kind.keyword
             raise Fault(
                 f"{keyword} accepts only values of single coefficients, from deformation {first} on; value {nonzero[0]}"
@@ -287,12 +277,11 @@ def _element_values(r: Reading, s: Statement, p: Values, spread: Callable[..., d
         values = [values_by_number.get(n, 0.0) for n in range(1, max(values_by_number, default=1) + 1)]
         roles = member.roles[: len(values)]
     numbered = enumerate(zip(roles, values, strict=True), 1)
-    constrained = [
-        i for i, (role, v) in numbered if role in (Role.FIXED, Role.PRESCRIBED) and not (known(v) and v == 0)
-    ]
-    if constrained:
-        listed = f"{'deformation' if len(constrained) == 1 else 'deformations'} {', '.join(map(str, constrained))}"
-        r.warnings.append((s, f"{listed} of element {element} is fixed, so the value has no effect"))
+    held = (Role.FIXED, Role.PRESCRIBED)
+    idle = [str(i) for i, (role, v) in numbered if role in held and not is_zero(v)]
+    if idle:
+        listed = f"{'deformation' if len(idle) == 1 else 'deformations'} {', '.join(idle)}"
+        r.warn(s, f"{listed} of element {element} is fixed, so the value has no effect")
     return values
 
 
@@ -339,7 +328,7 @@ def gravity(r: Reading, s: Statement, p: Values) -> None:
     values = [p[name] for name in ("gx", "gy", "gz") if name in p]
     if r.builder.dimension == 3 and len(values) != 3:
         raise Fault("a spatial mechanism needs three components: gx gy gz")
-    if r.builder.dimension == 2 and any(not known(value) or value != 0 for value in values[2:]):
+    if r.builder.dimension == 2 and any(not is_zero(value) for value in values[2:]):
         raise Fault(f"a planar mechanism has no third axis: gz must be 0, but is {values[2]}")
     r.builder.gravity(values[: r.builder.dimension])
 
@@ -352,7 +341,7 @@ def setting(r: Reading, s: Statement, p: Values) -> None:
             raise Fault(f"{name} must be positive, but is {p[name]}")
     r.settings[s.keyword] = Setting(s.line, p)
     if s.keyword == "ITERSTEP":
-        r.warnings.append((s, "has no effect: a path (mode 10) chooses its load steps and iterates to round-off"))
+        r.warn(s, "has no effect: a path (mode 10) chooses its load steps and iterates to round-off")
 
 
 def start_value(r: Reading, s: Statement, p: Values) -> None:
@@ -373,18 +362,13 @@ def routine(r: Reading, s: Statement, p: Values) -> None:
         name = printable(p["name"])
         raise Fault(f"needs the user routine '{name}': pass read_spacar(..., callables={{'{name}': function}})")
     r.settings[s.keyword] = (p["name"], r.callables[p["name"]])
-    r.warnings.append(
-        (
-            s,
-            "the function stays in settings and has no effect in an analysis: pass it to simulate (loads=, motion=)",
-        )
-    )
+    r.warn(s, "the function stays in settings and has no effect in an analysis: pass it to simulate (loads=, motion=)")
 
 
 def log_level(r: Reading, s: Statement, p: Values) -> None:
     """OUTLEVEL, LEVELLOG: amount of output in the log of the predecessor."""
     r.settings[s.keyword] = (p["log"], p["store"])
-    r.warnings.append((s, "has no effect: all transfer functions are always available"))
+    r.warn(s, "has no effect: all transfer functions are always available")
 
 
 def drawing(r: Reading, s: Statement) -> None:

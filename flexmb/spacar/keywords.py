@@ -9,15 +9,14 @@ and 9, increments (DELXF and the like) in 8 and 10.
 
 import dataclasses
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 from . import actions as act
 from . import trajectories
-from .kinds import FORMS, KINDS
+from .kinds import FORMS
 from .lines import DYNAMICS, KINEMATICS, SIGNALS, Statement
 from .reading import Reading
-from .trajectories import QUANTITIES, signal
+from .trajectories import QUANTITIES
 
 # Stages: nodes follow from elements, and properties and positions are needed before elements are built.
 DECLARE, DESCRIBE, APPLY = range(3)
@@ -31,74 +30,54 @@ class Row:
     block: str
     form: str
     action: Callable[[Reading, Statement, dict[str, Any]], None]
-    stage: int = APPLY
+    stage: int
 
 
-WAY = "start end value [law]"
-ROWS = (
-    *(
-        Row(
-            keyword,
-            KINEMATICS,
-            form,
-            partial(act.declare, kinds=tuple(k for k in KINDS if k.keyword == keyword)),
-            DECLARE,
-        )
-        for keyword, form in FORMS.items()
-    ),
-    Row("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
-    Row("FIX", KINEMATICS, "node [coordinate ...]", act.fix),
-    Row("RLSE", KINEMATICS, "element deformation ...", act.release),
-    Row("DYNX", KINEMATICS, "node coordinate ...", act.degree_of_freedom),
-    Row("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom),
-    Row("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed),
-    Row("INPUTE", KINEMATICS, "element deformation ...", act.prescribed),
-    Row("CLAMP", KINEMATICS, "element first last", act.clamp, DESCRIBE),
-    *(
-        Row(keyword, block, "log store", act.log_level)
-        for keyword in ("OUTLEVEL", "LEVELLOG")
-        for block in (KINEMATICS, DYNAMICS)
-    ),
-    Row("ESTIFF", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
-    Row("EM", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
-    Row("EDAMP", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
-    Row("SECTION", DYNAMICS, "element width thickness E G rho [alpha]", act.section, DESCRIBE),
-    Row("XM", DYNAMICS, "node value ...", act.lumped),
-    Row("XF", DYNAMICS, "node value ...", act.force),
-    Row("DELXF", DYNAMICS, "node value ...", act.force),
-    Row("ESIG", DYNAMICS, "element value ...", act.prestress),
-    Row("DELESIG", DYNAMICS, "element value ...", act.prestress),
-    Row("EINIT", DYNAMICS, "element value ...", act.strain),
-    Row("ALPHA", DYNAMICS, "element value", act.expansion, DESCRIBE),
-    Row("TEMP", DYNAMICS, "element value ...", act.temperature),
-    Row("DELTEMP", DYNAMICS, "element value ...", act.temperature),
-    Row("INPUTX", DYNAMICS, "node coordinate value [velocity] [acceleration]", act.motion),
-    Row("INPUTE", DYNAMICS, "element deformation value [velocity] [acceleration]", act.motion),
-    Row("DELINPX", DYNAMICS, "node coordinate increment", act.motion_increment),
-    Row("DELINPE", DYNAMICS, "element deformation increment", act.motion_increment),
-    Row("GRAVITY", DYNAMICS, "gx gy [gz]", act.gravity),
-    Row("ITERSTEP", DYNAMICS, "iterations steps tolerance [fourth] [path] [initial]", act.setting),
-    Row("TIMESTEP", DYNAMICS, "end steps", act.setting),
-    Row("ERROR", DYNAMICS, "absolute relative", act.setting),
-    Row("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value),
-    Row("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value),
-    *(Row("TRAJX", block, f"node coordinate {WAY}", trajectories.leg) for block in (DYNAMICS, SIGNALS)),
-    *(Row("TRAJE", block, f"element deformation {WAY}", trajectories.leg) for block in (DYNAMICS, SIGNALS)),
-    Row("USERSIG", DYNAMICS, "name", act.routine),
-    Row("USERINP", DYNAMICS, "name", act.routine),
-    *(
-        Row(keyword, SIGNALS, "number node component" if kind == "node" else "number element deformation", signal)
-        for (_, kind), keywords in QUANTITIES.items()
-        for keyword in keywords
-    ),
-    *(
-        Row(keyword, SIGNALS, "number node component", trajectories.channel)
-        for keyword in ("NOMF", "REFX", "REFXP", "REFXDP")
-    ),
-    *(
-        Row(keyword, SIGNALS, "number element deformation", trajectories.channel)
-        for keyword in ("NOMS", "REFE", "REFEP", "REFEDP")
-    ),
+_WAY = "start end value [law]"
+_NUMBERED = {"node": "number node component", "element": "number element deformation"}
+ROWS = tuple(
+    Row(keyword, block, form, action, stage)
+    for keywords, block, form, action, stage in (
+        *((keyword, KINEMATICS, form, act.declare, DECLARE) for keyword, form in FORMS.items()),
+        ("X", KINEMATICS, "node x [y] [z]", act.position, DESCRIBE),
+        ("FIX", KINEMATICS, "node [coordinate ...]", act.fix, APPLY),
+        ("RLSE", KINEMATICS, "element deformation ...", act.release, APPLY),
+        ("DYNX", KINEMATICS, "node coordinate ...", act.degree_of_freedom, APPLY),
+        ("DYNE", KINEMATICS, "element deformation ...", act.degree_of_freedom, APPLY),
+        ("INPUTX", KINEMATICS, "node coordinate ...", act.prescribed, APPLY),
+        ("INPUTE", KINEMATICS, "element deformation ...", act.prescribed, APPLY),
+        ("CLAMP", KINEMATICS, "element first last", act.clamp, DESCRIBE),
+        ("OUTLEVEL LEVELLOG", KINEMATICS, "log store", act.log_level, APPLY),
+        ("OUTLEVEL LEVELLOG", DYNAMICS, "log store", act.log_level, APPLY),
+        ("ESTIFF EM EDAMP", DYNAMICS, "element value ...", act.section_numbers, DESCRIBE),
+        ("SECTION", DYNAMICS, "element width thickness E G rho [alpha]", act.section, DESCRIBE),
+        ("XM", DYNAMICS, "node value ...", act.lumped, APPLY),
+        ("XF DELXF", DYNAMICS, "node value ...", act.force, APPLY),
+        ("ESIG DELESIG", DYNAMICS, "element value ...", act.prestress, APPLY),
+        ("EINIT", DYNAMICS, "element value ...", act.strain, APPLY),
+        ("ALPHA", DYNAMICS, "element value", act.expansion, DESCRIBE),
+        ("TEMP DELTEMP", DYNAMICS, "element value ...", act.temperature, APPLY),
+        ("INPUTX", DYNAMICS, "node coordinate value [velocity] [acceleration]", act.motion, APPLY),
+        ("INPUTE", DYNAMICS, "element deformation value [velocity] [acceleration]", act.motion, APPLY),
+        ("DELINPX", DYNAMICS, "node coordinate increment", act.motion_increment, APPLY),
+        ("DELINPE", DYNAMICS, "element deformation increment", act.motion_increment, APPLY),
+        ("GRAVITY", DYNAMICS, "gx gy [gz]", act.gravity, APPLY),
+        ("ITERSTEP", DYNAMICS, "iterations steps tolerance [fourth] [path] [initial]", act.setting, APPLY),
+        ("TIMESTEP", DYNAMICS, "end steps", act.setting, APPLY),
+        ("ERROR", DYNAMICS, "absolute relative", act.setting, APPLY),
+        ("STARTDX", DYNAMICS, "node coordinate value [velocity]", act.start_value, APPLY),
+        ("STARTDE", DYNAMICS, "element deformation value [velocity]", act.start_value, APPLY),
+        *(("TRAJX", block, f"node coordinate {_WAY}", trajectories.leg, APPLY) for block in (DYNAMICS, SIGNALS)),
+        *(("TRAJE", block, f"element deformation {_WAY}", trajectories.leg, APPLY) for block in (DYNAMICS, SIGNALS)),
+        ("USERSIG USERINP", DYNAMICS, "name", act.routine, APPLY),
+        *(
+            (" ".join(keywords), SIGNALS, _NUMBERED[kind], trajectories.signal, APPLY)
+            for (_, kind), keywords in QUANTITIES.items()
+        ),
+        ("NOMF REFX REFXP REFXDP", SIGNALS, _NUMBERED["node"], trajectories.channel, APPLY),
+        ("NOMS REFE REFEP REFEDP", SIGNALS, _NUMBERED["element"], trajectories.channel, APPLY),
+    )
+    for keyword in keywords.split()
 )
 TABLE = {(row.keyword, row.block): row for row in ROWS}
 

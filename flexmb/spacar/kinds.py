@@ -8,7 +8,7 @@ from ..elements import planar, spatial
 from ..elements.element import Element
 from ..elements.nodes import NodeKind
 from ..elements.sections import Damping, Material, Rectangle, Rigidity
-from .lines import known
+from .lines import is_zero
 
 # A number that must be zero, since the element has no such property.
 NOTHING = ""
@@ -65,7 +65,7 @@ class ElementKind:
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of a line, by its order and its numbers of ESTIFF."""
-        counts = any(not known(v) or v != 0 for v in stiffness[4:])
+        counts = any(not is_zero(v) for v in stiffness[4:])
         options = {"order": order, "shear": counts}
         return self.element(
             **{name: v for name, v in options.items() if name in self.element.options and v is not None}

@@ -74,6 +74,11 @@ def known(value: Any) -> bool:
     return not isinstance(value, jax.core.Tracer)
 
 
+def is_zero(value: Any) -> bool:
+    """Whether a number is known to be zero."""
+    return known(value) and value == 0
+
+
 @dataclasses.dataclass(frozen=True, slots=True)
 class Statement:
     """One line of a file.

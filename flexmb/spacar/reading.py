@@ -14,6 +14,8 @@ from .lines import Fault, Statement
 
 # Numberings of their own: inputs and outputs, and signals along a trajectory.
 SIDES = ("input", "output", "nominal input", "reference output")
+# What the numbers of a node and of an element count.
+NOUNS = {"node": "coordinate", "element": "deformation"}
 
 
 class AlreadyReported(Exception):
@@ -119,6 +121,10 @@ class Reading:
     drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
 
+    def warn(self, statement: Statement, text: str) -> None:
+        """Note a warning about a line."""
+        self.warnings.append((statement, text))
+
     def once(self, statement: Statement, *key: Any) -> None:
         """Refuse a second statement."""
         first = self.given.setdefault((statement.keyword, *key), statement)
@@ -151,23 +157,19 @@ class Reading:
             owner = self.builder.members.get(str(of))
         if owner is None:
             raise AlreadyReported
-        plural = "coordinates" if kind == "node" else "deformations"
+        noun, count = NOUNS[kind], len(owner.roles)
         for component in components:
-            if component > len(owner.roles):
-                raise Fault(
-                    f"{plural[:-1]} {component} is out of range: {kind} {of} has {plural} 1 to {len(owner.roles)}"
-                )
+            if component > count:
+                raise Fault(f"{noun} {component} is out of range: {kind} {of} has {noun}s 1 to {count}")
         return [owner.roles[c - 1] for c in components]
 
     def meant(self, of: int, component: int, kind: str) -> tuple[int, ...]:
         """Coordinates or deformations of a number: a whole strain field of a spectral beam."""
         self.entries(of, [component], kind)
+        if kind == "node":
+            return (component,)
         self.not_warping(of, component, kind)
-        return (
-            (component,)
-            if kind == "node"
-            else series.deformations_meant(self.builder.members[str(of)].element, component)
-        )
+        return series.deformations_meant(self.builder.members[str(of)].element, component)
 
     def not_warping(self, of: int, component: int, kind: str) -> None:
         """Refuse a value or a role for the warping of a leaf spring's end."""
@@ -194,11 +196,9 @@ class Reading:
         self.single(of, component, kind)
         self.not_warping(of, component, kind)
         if self.entries(of, [component], kind) != [role]:
-            letter = "X" if kind == "node" else "E"
-            keyword = f"INPUT{letter}" if role is Role.PRESCRIBED else f"DYN{letter}"
-            noun = "coordinate" if kind == "node" else "deformation"
-            expected = "prescribed" if role is Role.PRESCRIBED else "a degree of freedom"
-            raise Fault(f"{noun} {component} is not {expected}: name it with {keyword} in the kinematics block")
+            keyword, expected = ("INPUT", "prescribed") if role is Role.PRESCRIBED else ("DYN", "a degree of freedom")
+            keyword += "X" if kind == "node" else "E"
+            raise Fault(f"{NOUNS[kind]} {component} is not {expected}: name it with {keyword} in the kinematics block")
 
 
 def _existing(numbers: Collection[int]) -> str:

@@ -9,7 +9,7 @@ warping of its ends, which a file does not mention.
 import math
 
 from ..elements.element import Element
-from .lines import known
+from .lines import is_zero, known
 
 FIELDS = {
     2: ("elongation", "bending"),
@@ -106,7 +106,7 @@ def _spread(element: Element, values: list[float], factors: tuple[float, float, 
             add(fields[k][1], sign * slope * (q - p))
         elif known(p - q) and not math.isclose(p, q):
             raise ValueError(f"values {at_p} and {at_p + 1} differ: bending that varies needs p of at least 2")
-    return {n: v for n, v in spread_values.items() if not known(v) or v != 0}
+    return {n: v for n, v in spread_values.items() if not is_zero(v)}
 
 
 def meaning_of_deformations(element: Element) -> str:

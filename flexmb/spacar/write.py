@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import os
 import re
@@ -19,7 +20,7 @@ from ..elements.element import Element
 from ..elements.general import General
 from ..elements.nodes import ROTATION3
 from ..elements.sections import MaterialDamping, Rectangle, Section
-from ..errors import ModelError
+from ..errors import ModelError, printable
 from ..files import write_whole
 from ..model.by_name import TURNS
 from ..model.roles import Role
@@ -28,10 +29,9 @@ from . import outlines, trajectories
 from . import series as series
 from .actions import start_of
 from .kinds import KINDS, NOTHING, ElementKind
-from .lines import DRAWING, MOST, known
+from .lines import DRAWING, LARGEST, MOST, SMALLEST, is_zero, known, within
 from .read import SpacarModel
 from .trajectories import keyword_of
-from .written import WrittenLine, flat_numbers, is_zero, line_of, line_text, number_for_line, trimmed
 
 # Elements that become lines of a node, by their property.
 _LUMPED = {
@@ -39,6 +39,52 @@ _LUMPED = {
     "inertia": (planar.inertia, spatial.inertia),
     "moment": (spatial.moment,),
 }
+
+
+@dataclasses.dataclass(frozen=True)
+class WrittenLine:
+    """One line of a file: keyword, and words, whole numbers and real numbers, which may be traced."""
+
+    keyword: str
+    values: tuple[Any, ...]
+
+
+def line_text(line: WrittenLine | str) -> str:
+    """One line as text, real numbers with all their digits."""
+    if isinstance(line, str):
+        return line
+    text = " ".join([line.keyword, *(str(v) if isinstance(v, int | str) else repr(float(v)) for v in line.values)])
+    for value in line.values:
+        if not isinstance(value, int | str) and not within(value):
+            size = f"0 or from {SMALLEST:g} to {LARGEST:g} in size"
+            raise ModelError(f"'{printable(text)}' cannot be written to a SPACAR input file: numbers must be {size}.")
+    return text
+
+
+def line_of(keyword: str, *values: Any) -> WrittenLine:
+    """A line of a keyword and what follows it."""
+    return WrittenLine(keyword, values)
+
+
+def flat_numbers(value: Any) -> list[Any]:
+    """Numbers of a scalar, an array or a sequence, which may be traced."""
+    if is_concrete(value):
+        return np.ravel(np.asarray(value, float)).tolist()
+    if isinstance(value, list | tuple):
+        return [number for entry in value for number in flat_numbers(entry)]
+    return [value] if np.ndim(value) == 0 else [value[i] for i in range(len(value))]
+
+
+def number_for_line(value: Any) -> Any:
+    """A number for a line."""
+    return float(np.asarray(value)) if known(value) else value
+
+
+def trimmed(values: list[Any]) -> list[Any]:
+    """Values without zeros at the end, except the first."""
+    while len(values) > 1 and is_zero(values[-1]):
+        values = values[:-1]
+    return values
 
 
 def write_spacar(model: SpacarModel | Builder, path: str | os.PathLike) -> None:

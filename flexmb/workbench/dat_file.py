@@ -17,8 +17,7 @@ from ..spacar.arithmetic import names_in
 from ..spacar.lines import placeholders, read_text, statements
 from ..spacar.read import SpacarModel, read_spacar
 from ..spacar.reading import Setting
-from ..spacar.write import lines_of, no_element_message
-from ..spacar.written import WrittenLine, line_text
+from ..spacar.write import WrittenLine, line_text, lines_of, no_element_message
 from .building import build, free_names, numeric_values
 from .document import Document, apply
 from .formulas import formulas

@@ -20,8 +20,8 @@ from flexmb.linear.linearize import Linearization
 from flexmb.mechanisms import mechanism_path
 from flexmb.results import RESULTS
 from flexmb.spacar.actions import RATES_IDLE
-from flexmb.spacar.laws import law_of
 from flexmb.spacar.reading import Leg
+from flexmb.spacar.trajectories import law_of
 
 fm.enable_x64()
 
