@@ -132,8 +132,9 @@ def no_element_message(node: str) -> str:
     return f"Node '{node}' is in no element. A SPACAR input file cannot contain it."
 
 
-def _inexpressible(label: str, instead: str = "") -> ModelError:
-    return ModelError(f"{label}, which a SPACAR input file cannot express{instead}.")
+def _refuse(refused: bool, label: str, instead: str = "") -> None:
+    if refused:
+        raise ModelError(f"{label}, which a SPACAR input file cannot express{instead}.")
 
 
 class _Nodes(dict[str, int]):
@@ -213,12 +214,11 @@ class _Writer:
                 f"{label} has no keyword in a SPACAR input file. There are: {known}. Use a beam without section and"
                 " without released deformations as a body that is clamped at both ends."
             )
-        if member.element.options.get("second_order", True) is not True:
-            raise _inexpressible(f"{label} has second_order=False")
-        if member.properties.get("curvature") is not None:
-            raise _inexpressible(f"{label} has an initial curvature")
-        if any(member.properties.get(key) is not None for key in ("skew", "clamp")):
-            raise _inexpressible(f"{label} has skew or elastic ends")
+        given = {key for key, value in member.properties.items() if value is not None}
+        first_order = member.element.options.get("second_order", True) is not True
+        _refuse(first_order, f"{label} has second_order=False")
+        _refuse("curvature" in given, f"{label} has an initial curvature")
+        _refuse(bool(given & {"skew", "clamp"}), f"{label} has skew or elastic ends")
         if member.element.fields:
             return kinds[0]
         # The format calls a rigid beam without length a pinned body.
@@ -241,10 +241,8 @@ class _Writer:
         for name, m in self.shown.items():
             label, section = f"Element '{name}' ({m.element.name})", m.properties.get("section")
             self._check_closure(label, name, m)
-            if section is not None and section.varies:
-                raise _inexpressible(f"{label} has a section that varies along it")
-            if isinstance(section, General):
-                raise _inexpressible(f"{label} has a section of general stiffness")
+            _refuse(section is not None and section.varies, f"{label} has a section that varies along it")
+            _refuse(isinstance(section, General), f"{label} has a section of general stiffness")
             if section is not None and isinstance(m.properties.get("damping"), MaterialDamping):
                 self._check_damping(label, self.kinds[name], section)
             if self.kinds[name].sized:
@@ -252,8 +250,8 @@ class _Writer:
         for name, node in self.builder.nodes.items():
             if name not in joined:
                 raise ModelError(no_element_message(name))
-            if node.kind.part == "rotation" and tuple(flat_numbers(node.start)) != node.kind.start:
-                raise _inexpressible(f"Node '{name}' starts turned")
+            turned = node.kind.part == "rotation" and tuple(flat_numbers(node.start)) != node.kind.start
+            _refuse(turned, f"Node '{name}' starts turned")
         if "gravity" in self.builder.loads["increment"]:
             raise ModelError("Gravity as an increment cannot be expressed in a SPACAR input file.")
 
@@ -261,14 +259,17 @@ class _Writer:
         """Refuse statements about the closure, whose numbers mean strain fields in a file, and about warping."""
         closed = range(1, series.closure(m.element) + 1)
         warping = series.warping(m.element)
-        loaded = [k for sets in self._loads_of_deformations() for load in sets for k, v in load.items() if v != 0]
+        # Temperatures belong to whole elements.
+        sets = [load for loads in self.builder.loads.values() for kind, load in loads.items() if kind != "temperature"]
+        loaded = [key for load in sets for key, value in load.items() if value != 0]
         inputs, outputs = ([signal.key for signal in self.builder.signals[side]] for side in ("input", "output"))
         values = [*loaded, *inputs, *outputs]
-        if any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed):
-            raise _inexpressible(f"{label} has a role, a load or a signal at deformations 1 to {len(closed)} (closure)")
-        if any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in (*inputs, *loaded) for n in warping):
-            numbers = f"deformations {warping[0]} and {warping[-1]}"
-            raise _inexpressible(f"{label} has a role, a load or an input at its warping, {numbers}")
+        taken = any(m.roles[n - 1] is not Role.FIXED or ("element", name, n) in values for n in closed)
+        _refuse(taken, f"{label} has a role, a load or a signal at deformations 1 to {len(closed)} (closure)")
+        acted_on = [*loaded, *inputs]
+        taken = any(m.roles[n - 1] is not Role.DEPENDENT or ("element", name, n) in acted_on for n in warping)
+        numbers = " and ".join(f"{n}" for n in (*warping[:1], *warping[-1:]))
+        _refuse(taken, f"{label} has a role, a load or an input at its warping, deformations {numbers}")
 
     @staticmethod
     def _check_damping(what: str, kind: ElementKind, section: Section) -> None:
@@ -277,9 +278,8 @@ class _Writer:
         sheared = [n for n in kind.stiffness if n.startswith("shear")]
         if sheared and not all(is_zero(getattr(section.rigidity(), n)) for n in sheared):
             without.append("shear")
-        if without:
-            damped = f"{what} is damped by its material and its {' and its '.join(without)} too"
-            raise _inexpressible(damped, ": give `damping`")
+        damped = f"{what} is damped by its material and its {' and its '.join(without)} too"
+        _refuse(bool(without), damped, ": give `damping`")
 
     def _check_leaf(self, label: str, m: Member) -> None:
         """Refuse leaf springs that are no rectangle of one material, or whose warping belongs to other rotations."""
@@ -291,9 +291,8 @@ class _Writer:
             extras += ["nu other than E/(2 G) - 1"] if difference > SAME_POISSON else []
         extras += ["torsion by an approximation"] if section.torsion != "series" else []
         extras += [] if section.rotary else ["no rotary inertia"]
-        if extras:
-            numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
-            raise _inexpressible(f"{label}: its section has {', '.join(extras)}", numbers)
+        numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
+        _refuse(bool(extras), f"{label}: its section has {', '.join(extras)}", numbers)
         for rotation, warping in zip(nodes_of_kind(m, "rotation"), nodes_of_kind(m, "warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
             shared = {nodes[nodes.index(rotation) + 1] for nodes in beams}
@@ -303,20 +302,11 @@ class _Writer:
                     " the rotation, or the warping of all warping beams there."
                 )
 
-    def _loads_of_deformations(self) -> list[list[dict]]:
-        """Loads of each set without temperatures, which belong to whole elements."""
-        sets = self.builder.loads.values()
-        return [[load for kind, load in loads.items() if kind != "temperature"] for loads in sets]
-
     def _legend(self) -> list[str]:
         """Comments with names that are no numbers."""
-        numberings = (("node", self.node), ("element", self.element))
-        return [
-            f"% {kind} {number}: {' '.join(name.split())}"
-            for kind, numbers in numberings
-            for name, number in numbers.items()
-            if str(number) != name
-        ]
+        named = [("node", *entry) for entry in self.node.items()]
+        named += [("element", *entry) for entry in self.element.items()]
+        return [f"% {kind} {number}: {' '.join(name.split())}" for kind, name, number in named if str(number) != name]
 
     def _kinematics(self) -> list[WrittenLine]:
         lines, clamps = [], []
@@ -333,9 +323,8 @@ class _Writer:
             clamped = None if self.kinds[name].warps else m.properties.get("clamped")
             clamps += [] if clamped is None else [line_of("CLAMP", self.element[name], *map(int, clamped))]
         lines += clamps
-        for name, node in self.builder.nodes.items():
-            if node.kind.part == "position":
-                lines.append(line_of("X", self.node[name], *flat_numbers(node.start)))
+        places = [(name, node.start) for name, node in self.builder.nodes.items() if node.kind.part == "position"]
+        lines += [line_of("X", self.node[name], *flat_numbers(start)) for name, start in places]
         for name, node in self.builder.nodes.items():
             if name in self.node or any(role is not Role.DEPENDENT for role in node.roles):
                 roles = self.clamped.nodes[name].roles
@@ -344,16 +333,12 @@ class _Writer:
             keywords = {Role.DEPENDENT: "RLSE", Role.PRESCRIBED: "INPUTE"}
             lines += self._roles(self.element[name], m.roles, keywords, m.element)
         # One line each: their order is the order of q.
-        for (kind, owner), numbers in self._dofs():
+        for (kind, owner), run in itertools.groupby(self.builder.dofs, key=lambda key: key[:2]):
+            numbers = [number for *_, number in run]
             numbers = numbers if kind == "node" else series.shortened(self.shown[owner].element, numbers)
             letter, at = self._place(kind, owner)
             lines += [line_of(f"DYN{letter}", at, number) for number in numbers]
         return lines
-
-    def _dofs(self) -> list[tuple[tuple[str, str], list[int]]]:
-        """Consecutive degrees of freedom of one node or element."""
-        runs = itertools.groupby(self.builder.dofs, key=lambda key: key[:2])
-        return [(kind_and_owner, [number for *_, number in run]) for kind_and_owner, run in runs]
 
     def _across(self, m: Member) -> np.ndarray:
         """Default local y of a beam that needs one in the format."""
@@ -368,12 +353,12 @@ class _Writer:
         lines = []
         for role, keyword in keywords.items():
             having = [i for i, r in enumerate(roles, 1) if r is role]
+            if element is not None and keyword == "RLSE":
+                having = [n for n in having if n not in element.measured]
+                having = series.shortened(element, series.in_whole_fields(element, having))
             if having:
                 all_fixed = keyword == "FIX" and len(having) == len(roles)
-                if element is not None and keyword == "RLSE":
-                    having = [n for n in having if n not in element.measured]
-                    having = series.shortened(element, series.in_whole_fields(element, having))
-                lines += [line_of(keyword, number, *([] if all_fixed else having))] if having else []
+                lines.append(line_of(keyword, number, *([] if all_fixed else having)))
         return lines
 
     def _dynamics(self) -> list[WrittenLine]:
@@ -479,11 +464,6 @@ class _Writer:
             lines.append(line_of(f"STARTD{letter}", at, number, start + value, velocity))
         for keyword in ("USERSIG", "USERINP"):
             lines += [line_of(keyword, self.settings[keyword][0])] if keyword in self.settings else []
-        return lines + self._ways()
-
-    def _ways(self) -> list[WrittenLine]:
-        """Lines of trajectories."""
-        lines = []
         for keyword, numbers in zip(trajectories.WAYS, (self.node, self.element), strict=True):
             for way in self.settings.get(keyword, []):
                 times = way.start, way.end, way.value
@@ -494,14 +474,12 @@ class _Writer:
         lines = []
         for side in ("input", "output"):
             for i, signal in enumerate(self.builder.signals[side], 1):
-                if signal.local or signal.parts:
-                    why = "is about an axis that turns" if signal.local else "is a linear combination"
-                    raise _inexpressible(f"The {side} '{signal.name}' {why}")
+                _refuse(signal.local, f"The {side} '{signal.name}' is about an axis that turns")
+                _refuse(bool(signal.parts), f"The {side} '{signal.name}' is a linear combination")
                 kind, owner, number = signal.key
                 component = number if signal.axis is None else TURNS[signal.axis]
-                lines.append(
-                    line_of(keyword_of(side, kind, signal.quantity), i, self._place(kind, owner)[1], component)
-                )
+                keyword = keyword_of(side, kind, signal.quantity)
+                lines.append(line_of(keyword, i, self._place(kind, owner)[1], component))
         for keyword in (*trajectories.NOMINAL, *trajectories.REFERENCES):
             numbers = self.node if keyword in ("NOMF", "REFX", "REFXP", "REFXDP") else self.element
             for channel in self.settings.get(keyword, []):
