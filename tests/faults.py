@@ -3854,7 +3854,7 @@ FAULTS = [
         "workbench/test_live.py -k keeps_the_last",
     ),
     Fault("workbench/live.py", "-1.0 if before @ shape < 0 else 1.0", "1.0", "workbench/test_stage.py -k side"),
-    Fault("workbench/counts.py", "over=0,\n", "over=1,\n", "workbench/test_counts.py -k tutorial"),
+    Fault("workbench/counts.py", '"over": 0,', '"over": 1,', "workbench/test_counts.py -k tutorial"),
     Fault("workbench/session.py", "now - self._last < PACE", "False", "workbench/test_preview.py"),
     Fault("workbench/from_builder.py", "if len(positions) == 1 and", "if", "workbench/test_merged.py"),
     Fault("workbench/calls_of.py", "row.get(number, 0.0)", "0.0", "workbench/test_from_builder.py -k every_feature"),

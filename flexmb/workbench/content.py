@@ -56,9 +56,7 @@ class Document:
             dimension: 2 in the plane, 3 in space.
             title: Title of the document.
         """
-        return cls.from_data(
-            {"format": FORMAT, "title": title, "dimension": dimension, "names": {}, "next": 1, "things": []}
-        )
+        return cls.from_data({"format": FORMAT, "title": title, "dimension": dimension})
 
     @classmethod
     def from_data(cls, data: Any) -> Document:

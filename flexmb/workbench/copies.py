@@ -13,7 +13,7 @@ from .content import Document, EditError, Report, checked_value
 from .edits import LETTERS, insert
 from .fields import calls
 from .formulas import number_text
-from .references import Names, call_of, dependent, referred, renamed_part, replaced, stage_of, with_references
+from .references import Names, call_of, dependent, following, referred, replaced, stage_of, with_references
 from .values import plus, text_between, text_product
 
 # A drawing needs no more copies at once.
@@ -105,18 +105,6 @@ def cloned(
         args = with_references(changed(item), known, follows)["args"]
         new.append({"id": id, "call": item["call"], **named, "args": args})
     return insert(document, new), [item["id"] for item in new]
-
-
-def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], str | None]:
-    """The function that renames references, from the pairs of old and new names of each id."""
-
-    def follows(id: str, name: str) -> str | None:
-        for old, new in sorted(pairs.get(id, ()), key=lambda pair: -len(pair[0])):
-            if (other := renamed_part(name, old, new)) != name:
-                return other
-        return None
-
-    return follows
 
 
 def _next_name(name: str, used_names: set[str]) -> str:

@@ -105,21 +105,11 @@ def count(builder: Builder) -> Count:
             return _invalid(builder, fault, parts)
         except ModelError as fault:
             return Count("failed", str(fault), quick_numbers(builder), parts=parts, drawn=_unchecked(builder))
-    numbers, faults = model.counts(), _loose_sentences(parts)
-    named = tuple(model.q_labels)
-    exact = f"{counted(len(named), 'degree')} of freedom, and no over-constraint."
-    return Count(
-        "loose" if faults else "ok",
-        " ".join(faults) or exact,
-        numbers,
-        over=0,
-        under=0,
-        dofs=named,
-        model=model,
-        drawn=model,
-        parts=parts,
-        warnings=tuple(dict.fromkeys(warnings)),
-    )
+    faults, named = _loose_sentences(parts), tuple(model.q_labels)
+    message = " ".join(faults) or f"{counted(len(named), 'degree')} of freedom, and no over-constraint."
+    known: dict[str, Any] = {"over": 0, "under": 0, "dofs": named, "model": model, "drawn": model, "parts": parts}
+    known["warnings"] = tuple(dict.fromkeys(warnings))
+    return Count("loose" if faults else "ok", message, model.counts(), **known)
 
 
 def _unchecked(builder: Builder) -> Model | None:
@@ -134,26 +124,18 @@ def _invalid(builder: Builder, fault: MechanismError, parts: tuple[Part, ...]) -
     """Count of a mechanism that is over- or under-constrained, or whose degrees of freedom do not fit."""
     model = builder.build(check=False)
     model_mobility = mobility(model)
-    faults = _loose_sentences(parts)
-    if model_mobility.overconstraints:
-        stressed = dict.fromkeys(
-            share.of for i in range(model_mobility.overconstraints) for share in model_mobility.stresses(i)
-        )
-        states = counted(model_mobility.overconstraints, "state")
-        faults.append(
-            f"Over-constrained: {states} of self-stress in {_listed(list(stressed))}."
-            f" {_release_sentence(model_mobility)}"
-        )
-    if fault.code != "overconstrained" or not model_mobility.overconstraints:
+    faults, over = _loose_sentences(parts), model_mobility.overconstraints
+    if over:
+        stressed = list(dict.fromkeys(share.of for i in range(over) for share in model_mobility.stresses(i)))
+        faults.append(f"Over-constrained: {counted(over, 'state')} of self-stress in {_listed(stressed)}.")
+        faults.append(_release_sentence(model_mobility))
+    if fault.code != "overconstrained" or not over:
         faults.append(first_line(fault))
     # Without named degrees of freedom the Builder finds them: no motion is left undetermined.
     under = model_mobility.underconstraints if builder.dofs else 0
-    over = model_mobility.overconstraints
     status = "both" if over and under else "overconstrained" if over else "underconstrained" if under else fault.code
-    named = tuple(model.q_labels)
-    return Count(
-        status, " ".join(faults), model.counts(), over, under, named, drawn=model, mobility=model_mobility, parts=parts
-    )
+    known: dict[str, Any] = {"dofs": tuple(model.q_labels), "drawn": model, "mobility": model_mobility, "parts": parts}
+    return Count(status, " ".join(faults), model.counts(), over, under, **known)
 
 
 def _release_sentence(model_mobility: Mobility) -> str:
@@ -174,9 +156,8 @@ def _loose_sentences(parts: Iterable[Part]) -> list[str]:
     sentences = []
     if alone:
         are, them = ("are", "them") if len(alone) > 1 else ("is", "it")
-        sentences.append(
-            f"{_listed(alone, 'node')} {are} joined to nothing: join {them} by an element, or delete {them}."
-        )
+        joined = f"{_listed(alone, 'node')} {are} joined to nothing"
+        sentences.append(f"{joined}: join {them} by an element, or delete {them}.")
     if floating and len(floating) == sum(bool(part.elements) for part in parts):
         sentences.append("Nothing is fixed: the mechanism floats. Fix a node.")
     elif floating:

@@ -83,9 +83,8 @@ def cannot_hold(document: Document) -> list[str]:
 
 def incomplete(document: Document) -> list[str]:
     """Things with problems, which neither answers nor files contain."""
-    return [
-        f"{printable(call_and_name(document.by_id, p['address']))}: {p['message']}" for p in build(document).problems
-    ]
+    pairs = [(call_and_name(document.by_id, p["address"]), p["message"]) for p in build(document).problems]
+    return [f"{printable(subject)}: {message}" for subject, message in pairs]
 
 
 def not_expressible(document: Document) -> list[str]:
@@ -200,9 +199,7 @@ def _analysis_lines(path: Path) -> tuple[dict[str, Any], list[str]]:
         return {}, []
     settings = {name: value for name, value in file_settings.items() if name in ANALYSIS_KEYWORDS}
     retained = {k: Setting(v.line, v) if isinstance(v, Setting) else v for k, v in settings.items()}
-    gone = [
-        name for name in file_settings if name not in ANALYSIS_KEYWORDS and not name.startswith(("STARTD", "INPUT"))
-    ]
+    gone = [name for name in file_settings if not name.startswith((*ANALYSIS_KEYWORDS, "STARTD", "INPUT"))]
     notes = [f"{printable(path.name)} had {', '.join(gone)}. A document cannot contain this. It is lost."]
     return retained, notes * bool(gone)
 
@@ -282,8 +279,5 @@ def _with_file_names(builder: Builder) -> Builder:
 
 def _signals(builder: Description) -> list[str]:
     """Comments with the names of inputs and outputs."""
-    return [
-        f"% {side} {i}: {' '.join(signal.name.split())}"
-        for side in ("input", "output")
-        for i, signal in enumerate(builder.signals[side], 1)
-    ]
+    numbered = [(side, i, s) for side in ("input", "output") for i, s in enumerate(builder.signals[side], 1)]
+    return [f"% {side} {i}: {' '.join(signal.name.split())}" for side, i, signal in numbered]

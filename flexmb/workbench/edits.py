@@ -9,7 +9,7 @@ from ..errors import ModelError, printable
 from ..spacar.arithmetic import names_in, renamed
 from .content import Document, EditError, Report, checked_name, checked_text, checked_value
 from .fields import Call, calls
-from .references import call_of, dependent, renamed_part, replaced, stage_of, with_references
+from .references import call_of, dependent, following, renamed_part, replaced, stage_of, with_references
 
 NUMBERS = ("number", "vector", "weights")
 LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -206,10 +206,7 @@ def rename(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     known = document.known
     if call.makes == "node" and new in known.made:
         raise EditError(f"{id}/name", f"Node '{printable(new)}' exists already. Give each a different name.")
-
-    def follows(item_id: str, name: str) -> str | None:
-        return renamed_part(name, old, new) if item_id == id and old is not None else None
-
+    follows = following({id: [(old, new)]} if old is not None else {})
     # Renamed before its references, so that a block's names of its own parts follow too.
     another = {"id": id, "call": item["call"], "name": new, "args": item["args"]}
     items = [with_references(another if other is item else other, known, follows) for other in document.things]

@@ -112,10 +112,9 @@ def catalogue() -> dict[str, dict[str, Any]]:
 @functools.cache
 def calls() -> dict[str, Call]:
     """All calls by name."""
+    elements = [(room, name) for room in (planar, spatial) for name in room.__all__ if _offered(room, name)]
     all_calls = [_method_call(name) for name in _methods()]
-    all_calls += [
-        _element_call(room, name) for room in (planar, spatial) for name in room.__all__ if _offered(room, name)
-    ]
+    all_calls += [_element_call(room, name) for room, name in elements]
     all_calls += [_record_call(name) for name in sections.__all__ if _kind_of_record(getattr(sections, name))]
     all_calls += [_constant_call(name) for name in materials.__all__]
     all_calls += [_block_call(name) for name in dir(blocks)]
@@ -166,10 +165,9 @@ def _written(default: Any) -> str | None:
 
 def _methods() -> list[str]:
     # Methods of the base class follow.
-    method_names = [
-        name for kind in Builder.__mro__[:-1] for name in vars(kind) if inspect.isfunction(getattr(Builder, name))
-    ]
-    return [name for name in dict.fromkeys(method_names) if not name.startswith("_") and name not in OTHERS]
+    names = dict.fromkeys(name for kind in Builder.__mro__[:-1] for name in vars(kind))
+    public = [name for name in names if not name.startswith("_") and name not in OTHERS]
+    return [name for name in public if inspect.isfunction(getattr(Builder, name))]
 
 
 def _method_call(name: str) -> Call:
@@ -233,9 +231,8 @@ def _flexible() -> list[str]:
 def _offered(room: Any, name: str) -> bool:
     """Whether a document can contain an element type: it has no function as a property, and is no second name."""
     element, place = getattr(room, name), room.__name__.rpartition(".")[2]
-    return repr(element).startswith(f"<{place}.{name}:") and not any(
-        typing.get_origin(kind) is collections.abc.Callable for kind, _ in _options(element).values()
-    )
+    origins = [typing.get_origin(kind) for kind, _ in _options(element).values()]
+    return repr(element).startswith(f"<{place}.{name}:") and collections.abc.Callable not in origins
 
 
 def _element_call(room: Any, name: str) -> Call:
@@ -261,18 +258,8 @@ def _element_call(room: Any, name: str) -> Call:
     released = [_field("released", "deformations", None, doc)] if has_deformations else []
     group = "element" if has_deformations else "mass" if element.inertia is not None else "load"
     # Elements without deformations are hidden: the Builder has methods for them.
-    return _call(
-        f"{place}.{name}",
-        "element",
-        element,
-        group,
-        "element",
-        [nodes, *fields, *released],
-        dimension=dimension,
-        name=name.replace("_", " "),
-        doc=text,
-        hidden=not has_deformations,
-    )
+    more = {"dimension": dimension, "name": name.replace("_", " "), "doc": text, "hidden": not has_deformations}
+    return _call(f"{place}.{name}", "element", element, group, "element", [nodes, *fields, *released], **more)
 
 
 def _ends(element: Element) -> list[str]:
@@ -318,9 +305,8 @@ def _record_call(name: str) -> Call:
 
 def _constant_call(name: str) -> Call:
     constant: Any = getattr(materials, name)
-    doc = ", ".join(
-        f"{f.name} {getattr(constant, f.name):g}" for f in dataclasses.fields(constant) if getattr(constant, f.name)
-    )
+    values = {field.name: getattr(constant, field.name) for field in dataclasses.fields(constant)}
+    doc = ", ".join(f"{key} {value:g}" for key, value in values.items() if value)
     return _call(f"materials.{name}", "constant", constant, "material", "material", [], name=name, doc=doc)
 
 

@@ -24,7 +24,7 @@ from .calls_of import Calls, NumberPlace, shortest
 from .content import FORMAT, Document
 from .formulas import formulas, number_text
 from .from_model import builder_of
-from .references import Names, call_of, renamed_part, with_references
+from .references import Names, call_of, following, with_references
 
 # Raised by a function that needs the values of its arguments.
 NOT_FOLLOWED = (jax.errors.JAXTypeError, jax.errors.JAXIndexError, TypeError, ValueError, ModelError)
@@ -124,10 +124,8 @@ def _changes_without_call(builder: Description) -> list[str]:
     for part, contents in _contents(builder).items():
         same, word = replayed[part], part.removesuffix("s")
         differences += [f"{part} that was not made by a call of the Builder"] if contents.keys() != same.keys() else []
-        changed = [key for key in contents if key in same and not _equal(contents[key], same[key])]
-        differences += [
-            f"changes of {word} '{printable(key)}' that were not made by calls of the Builder" for key in changed
-        ]
+        changed = [printable(key) for key in contents if key in same and not _equal(contents[key], same[key])]
+        differences += [f"changes of {word} '{name}' that were not made by calls of the Builder" for name in changed]
     return differences
 
 
@@ -155,10 +153,8 @@ def _settings_of(source: Any) -> list[str]:
     """Lines of a file beside the mechanism."""
     if not isinstance(source, SpacarModel):
         return []
-    keywords = [name for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
-    return [
-        f"{printable(name)} of {printable(source.name)}: it belongs to an analysis or a drawing" for name in keywords
-    ]
+    keywords = [printable(name) for name in source.settings if not name.startswith(("INPUT", "STARTD"))]
+    return [f"{name} of {printable(source.name)}: it belongs to an analysis or a drawing" for name in keywords]
 
 
 def _title(source: Any) -> str:
@@ -251,9 +247,8 @@ def merged(document: Document, text: str) -> Document:
 
     remaining = [with_references(item, names, follows) for item in items if item["id"] not in gone]
     rotations = {name.removesuffix(".rotation") for name in new.values() if name.endswith(".rotation")}
-    fixed_nodes = {
-        item["args"]["node"] for item in remaining if item["call"] == "fix" and "components" not in item["args"]
-    }
+    supports = [item["args"] for item in remaining if item["call"] == "fix"]
+    fixed_nodes = {args["node"] for args in supports if "components" not in args}
     parts = [_with_rotations(item, rotations, fixed_nodes, document.dimension) for item in remaining]
     return document.with_things([item for item in parts if item is not None])
 
@@ -279,11 +274,8 @@ def _called(items: Items, text: str) -> Items:
             new |= {item["id"]: name for item, name in zip(signals, names, strict=True)}
     if not new:
         return items
-    known, old = Names(items), {item["id"]: item.get("name") for item in items}
-
-    def follows(id: str, name: str) -> str | None:
-        return renamed_part(name, str(old[id]), new[id]) if id in new else None
-
+    follows = following({item["id"]: [(item["name"], new[item["id"]])] for item in items if item["id"] in new})
+    known = Names(items)
     followed = [with_references(item, known, follows) for item in items]
     return [{**item, "name": new[item["id"]]} if item["id"] in new else item for item in followed]
 

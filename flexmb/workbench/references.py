@@ -141,33 +141,41 @@ def dependent(names: Names, things: list[dict[str, Any]], gone: set[str]) -> lis
     return [item["id"] for item in things if item["id"] in everything - gone]
 
 
+def _meant(names: Names, thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, str, str], str | None]]:
+    """References of a thing: address within the thing, the name and the text before and after it, and its id."""
+    for address, spaces, written in references(thing):
+        is_weight = address.startswith("weights/")
+        parts = sensor_part(names, written) if is_weight else ("", written, "")
+        yield address, parts, (names.first if is_weight else names.thing)(spaces, parts[1])
+
+
 def referred(names: Names, thing: dict[str, Any]) -> dict[str, str | None]:
     """Id of the thing that each reference means, by its address within the thing; None if no thing matches."""
-    targets = {}
-    for address, spaces, written in references(thing):
-        name = sensor_part(names, written)[1] if address.startswith("weights/") else written
-        field = address.partition("/")[0]
-        known = (names.first if field == "weights" else names.thing)(spaces, name)
-        if known == thing["id"] and field == "stage":
-            # The block makes this node.
-            continue
-        targets[address] = known
-    return targets
+    targets = {address: id for address, _, id in _meant(names, thing)}
+    # A block makes its stage itself, unless the node exists.
+    return {address: id for address, id in targets.items() if (address, id) != ("stage", thing["id"])}
 
 
 def with_references(thing: dict[str, Any], names: Names, changed: Callable[[str, str], str | None]) -> dict[str, Any]:
     """A thing with other references: ``changed(id, name)`` returns the new name, or None to keep the old one."""
-    args, new_names = thing["args"], {}
-    for address, spaces, written in references(thing):
-        weight = address.startswith("weights/")
-        before, name, after = sensor_part(names, written) if weight else ("", written, "")
-        known = (names.first if weight else names.thing)(spaces, name)
-        new = changed(known, name) if known else None
+    args = thing["args"]
+    for address, (before, name, after), id in _meant(names, thing):
+        new = changed(id, name) if id else None
         if new is not None and new != name:
-            new_names[address] = f"{before}{new}{after}"
-    for address, value in new_names.items():
-        args = replaced(args, address.split("/"), value)
+            args = replaced(args, address.split("/"), f"{before}{new}{after}")
     return thing if args is thing["args"] else {**thing, "args": args}
+
+
+def following(pairs: dict[str, list[tuple[str, str]]]) -> Callable[[str, str], str | None]:
+    """The function that renames references, from the pairs of old and new names of each id."""
+
+    def follows(id: str, name: str) -> str | None:
+        for old, new in sorted(pairs.get(id, ()), key=lambda pair: -len(pair[0])):
+            if (other := renamed_part(name, old, new)) != name:
+                return other
+        return None
+
+    return follows
 
 
 def replaced(tree: Any, path: list[str], value: Any) -> Any:

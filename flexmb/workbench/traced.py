@@ -77,10 +77,8 @@ class Traced:
     def __init__(self, document: Document, model: Model, keys: Sequence[str], node: str | None):
         self.names, self.keys = tuple(free_names(document)), tuple(keys)
         # Numeric fields without names vary within a structure.
-        plain = [
-            address for address, text in texts(document) if is_number_text(text) and not address.startswith("names/")
-        ]
-        self._document, self._plain = document, plain
+        plain = [address for address, text in texts(document) if is_number_text(text)]
+        self._document, self._plain = document, [address for address in plain if not address.startswith("names/")]
         functions = {key: answer_of(key, node) for key in keys}
         layout = layout_of({"free": np.zeros(len(self.names)), "plain": np.zeros(len(self._plain))})
         example = dict(zip(layout.names, self._inputs(document), strict=True))

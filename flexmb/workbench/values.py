@@ -192,9 +192,8 @@ def _value(text: str, values: Mapping[str, Any], document: Document) -> Any:
             continue
         if name in document.names:
             raise ValueError(f"'{printable(text)}' needs '{printable(name)}', which has no value.")
-        known = (
-            f"names are: {', '.join(map(printable, document.names))}" if document.names else "there are no names yet"
-        )
+        names = ", ".join(map(printable, document.names))
+        known = f"names are: {names}" if names else "there are no names yet"
         raise ValueError(f"'{printable(text)}' needs '{printable(name)}', but there is no such name; {known}.")
     try:
         return arithmetic_result(text, values)
