@@ -121,9 +121,8 @@ LAYERS = {
     "nodes": (7, "CONTINUOUS"),
     "names": (7, "CONTINUOUS"),
 }
-LAYER_OF = {"beam": "centrelines", "bar": "centrelines", "rigid": "rigid", "spring": "springs"} | dict.fromkeys(
-    ("joint", "hinge"), "joints"
-)
+LAYER_OF = {"beam": "centrelines", "bar": "centrelines", "rigid": "rigid", "spring": "springs"}
+LAYER_OF |= {"joint": "joints", "hinge": "joints"}
 
 
 def _library(name: str, feature: str) -> Any:

@@ -154,14 +154,9 @@ def in_notebook() -> bool:
     return getattr(shell, "kernel", None) is not None
 
 
-def remote() -> str | None:
-    """The machine of the kernel if the browser likely runs on another one; otherwise None."""
-    return next((name for variable, name in REMOTE.items() if os.environ.get(variable)), None)
-
-
 def page_frame(address: str, port: int) -> str:
     """The page in a frame, with advice for a browser that cannot reach it."""
-    where = remote()
+    where = next((name for variable, name in REMOTE.items() if os.environ.get(variable)), None)
     beyond = (
         f"This kernel runs on {where}, and only that machine can open the page. Forward the port to yours:"
         if where

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ..display import counted
 from ..errors import AnalysisError, ModelError, printable
 from ..files import read_whole, write_whole
 from .document import Document
@@ -129,16 +130,15 @@ def _bytes(content: bytes) -> dict[str, str]:
 def difference(here: Document, there: Document) -> str:
     """Difference of a document from another, in a few words; "" if both build the same."""
     names = [name for name in {**here.names, **there.names} if here.names.get(name) != there.names.get(name)]
-    plain_here, plain_there = (
-        [repr((item["call"], item.get("name"), sorted(item["args"].items()))) for item in document.things]
-        for document in (here, there)
-    )
-    n_different = max(sum(t not in plain_there for t in plain_here), sum(t not in plain_here for t in plain_there))
-    parts = [f"{n_different} {'thing' if n_different == 1 else 'things'}"] if n_different else []
+
+    def plain(document: Document) -> list[str]:
+        return [repr((item["call"], item.get("name"), sorted(item["args"].items()))) for item in document.things]
+
+    ours, theirs = plain(here), plain(there)
+    n_different = max(sum(text not in theirs for text in ours), sum(text not in ours for text in theirs))
+    parts = [counted(n_different, "thing")] if n_different else []
     if names:
-        names_text = ", ".join(map(printable, names[:5]))
-        parts.append(
-            f"the {'name' if len(names) == 1 else 'names'} {names_text}{' and more' if len(names) > 5 else ''}"
-        )
+        names_text = ", ".join(map(printable, names[:5])) + (" and more" if len(names) > 5 else "")
+        parts.append(f"the {'name' if len(names) == 1 else 'names'} {names_text}")
     verb = "differs" if len(names) + n_different == 1 else "differ"
     return f"{' and '.join(parts)} {verb} from what is here." if parts else ""

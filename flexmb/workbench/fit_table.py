@@ -17,7 +17,7 @@ from .building import build, built_whole, numeric_values
 from .document import Document
 from .targets import bounds_of
 from .traced import answer_of, increment_of
-from .wants import checked_free, number_like
+from .wants import checked_free, name_ops
 
 LEVEL = 0.95
 
@@ -54,11 +54,7 @@ def fitted_names(
     summary = fit_result.summary()
     facts = [f"{name}: {text}" for name, text in summary.rows.items() if name not in fit_result.labels]
     good = fit_result.result.name in ("successful", "poor_fit")
-    ops = [
-        {"op": "name", "name": name, "to": {**entry, "value": number_like(entry["value"], float(value), 7)}}
-        for name, value in fit_result.parameters.items()
-        if (entry := document.names[name])
-    ]
+    ops = name_ops(document, {name: float(value) for name, value in fit_result.parameters.items()}, 7)
     return {
         "status": "done" if good else "failed",
         "title": f"Fit to {file}",

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from ..display import counted
 from ..errors import printable
 from ..files import read_whole
 from .document import Document
@@ -59,8 +60,7 @@ class OpenFile:
     def begin(self) -> None:
         """Report edits that came from a journal."""
         if self.recovered:
-            count = len(self.history.undo_labels)
-            summary = f"{count} unsaved {'step' if count == 1 else 'steps'} recovered."
+            summary = f"{counted(len(self.history.undo_labels), 'unsaved step')} recovered."
             name = "the new mechanism" if self.path is None else self.path.name
             self._tell({"tell": "file", "changed": False, "recovered": True, "name": name, "summary": summary})
 

@@ -30,11 +30,8 @@ def _choice(name: str, choices: list[str], doc: str, default: str = "", *, must:
 
 def _coordinate(document: Document, doc: str) -> Field:
     """A choice from the coordinates of nodes that are not fixed as a whole."""
-    fixed = {
-        item["args"].get("node")
-        for item in document.things
-        if item["call"] == "fix" and not str(item["args"].get("components", "")).strip()
-    }
+    supports = [item["args"] for item in document.things if item["call"] == "fix"]
+    fixed = {args.get("node") for args in supports if not str(args.get("components", "")).strip()}
     names = [name for name in positions(document) if name not in fixed]
     axes = ("x", "y", "phi") if document.dimension == 2 else ("x", "y", "z")
     coordinates = [f"{name}.{axis}" for name in names[:MOST_NODES] for axis in axes]

@@ -24,7 +24,7 @@ from .live_answers import Wants
 from .open_file import OpenFile
 from .targets import meet
 from .undo import History, Storage
-from .wants import label_of, number_like
+from .wants import label_of, name_ops
 
 # Shortest time between two designs on the page [s], and their number of digits.
 PACE, DIGITS = 0.1, 6
@@ -49,10 +49,7 @@ class VisibleJob:
         if not changes.get("design") or now - self._last < PACE or self.stopped:
             return
         self._last = now
-        names = self._document.names
-        texts = {name: number_like(names[name]["value"], value, DIGITS) for name, value in changes["design"].items()}
-        ops = [{"op": "name", "name": name, "to": {**names[name], "value": text}} for name, text in texts.items()]
-        self._write(ops)
+        self._write(name_ops(self._document, changes["design"], DIGITS))
 
 
 # Longest time that a pinned design waits for its answers [s].

@@ -34,11 +34,8 @@ def names_beside(path: Path) -> tuple[dict[str, tuple[float, ...]], list[str]]:
             continue
         if (path.parent / model).name != path.name or ":" in model.removesuffix(".dat"):
             continue
-        notes = [
-            f"{printable(study.name)} names Python functions, which the workbench never runs:"
-            f" {printable(', '.join(functions))}"
-        ]
-        return parameters, notes * bool(functions)
+        note = f"{printable(study.name)} names Python functions, which the workbench never runs: "
+        return parameters, [note + printable(", ".join(functions))] * bool(functions)
     return {}, []
 
 

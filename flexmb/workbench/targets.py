@@ -24,7 +24,7 @@ from ..results import RESULTS
 from .building import built_whole, numeric_values, positions
 from .document import Document
 from .traced import Traced, question_of, traced
-from .wants import answer_text, answer_unit, checked_free, number_like, wants_of
+from .wants import answer_text, answer_unit, checked_free, name_ops, wants_of
 
 # Default bounds of a name: its value divided and multiplied by this.
 WIDE = 5.0
@@ -77,8 +77,7 @@ class _Tuning:
         self.answers = self.traced.at(document)
         self.everything = np.array([names[name] for name in self.traced.names])
         self.places = [self.traced.names.index(name) for name in self.free]
-        self.best: tuple[float, np.ndarray, np.ndarray, np.ndarray] | None = None
-        self.first: np.ndarray | None = None
+        self.best: tuple[float, np.ndarray, np.ndarray] | None = None
         self.count, self.told_at, self.paused, self.failed = 0, 0.0, 0.0, RESULTS.successful
 
     def _by_key(self, values: np.ndarray) -> dict[str, float]:
@@ -105,12 +104,11 @@ class _Tuning:
         self.count += 1
         if code == RESULTS.successful and np.all(np.isfinite(values)):
             missed = self.missed(values)
-            self.first = values if self.first is None else self.first
             far = float(np.linalg.norm(self.scaling.to_unit(x) - self.scaling.to_unit(self.start)))
             # Among designs that meet all targets the nearest is best.
             rank = missed if missed > TARGET_TO_ROUND_OFF else far * TARGET_TO_ROUND_OFF
             if self.best is None or rank < self.best[0]:
-                self.best = rank, x.copy(), values, slopes
+                self.best = rank, x.copy(), values
                 # Designs of steps that go too far are not shown.
                 self._tell(x, values, missed)
         else:
@@ -156,7 +154,7 @@ class _Tuning:
         self._search(values, {"change": nowhere}, equal, limits, self.start, BUDGET)
         for _ in range(ROUNDS):
             assert self.best is not None
-            missed, x, values, _ = self.best
+            missed, x, values = self.best
             if missed <= TARGET_TO_ROUND_OFF:
                 return
             by_key = self._by_key(values)
@@ -187,18 +185,18 @@ class _Tuning:
         for want in self.wants:
             i = self.keys.index(want.key)
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
-                present = answer_text(float(values[i]), want.unit)
-                raise ValueError(
-                    f"{want} cannot be met. It is {present}, and {listed(self.free)} has no effect on it. Let another"
-                    " dimension vary: write a name instead of a number."
+                present = (
+                    f"It is {answer_text(float(values[i]), want.unit)}, and {listed(self.free)} has no effect on it."
                 )
+                advice = "Let another dimension vary: write a name instead of a number."
+                raise ValueError(f"{want} cannot be met. {present} {advice}")
 
     def told(self, stopped: bool = False) -> dict[str, Any]:
         """The result of :func:`meet`."""
-        if self.best is None or self.first is None:
+        if self.best is None:
             nothing: dict[str, Any] = {"design": {}, "values": {}, "ops": [], "label": "", "met": False}
             return {**nothing, "text": "Stopped before the first design.", "stopped": stopped, "assumed": {}}
-        rank, x, values, _ = self.best
+        rank, x, values = self.best
         ops, design = self._written(x)
         met = rank <= TARGET_MET
         targets_text = ", ".join(map(str, self.wants))
@@ -251,14 +249,10 @@ class _Tuning:
     def _written(self, x: np.ndarray) -> tuple[list[dict[str, Any]], dict[str, float]]:
         """The edit that writes a design with the fewest digits that meet the targets, and the design as written."""
         for digits in (12, 17):
-            ops: list[dict[str, Any]] = []
+            pairs = zip(self.free, x.tolist(), self.start.tolist(), strict=True)
+            ops = name_ops(self.document, {name: v for name, v, before in pairs if v != before}, digits)
             design = dict(zip(self.free, self.start.tolist(), strict=True))
-            for name, value, before in zip(self.free, x.tolist(), self.start.tolist(), strict=True):
-                if value != before:
-                    entry = self.document.names[name]
-                    text = number_like(entry["value"], value, digits)
-                    design[name] = float(text)
-                    ops.append({"op": "name", "name": name, "to": {**entry, "value": text}})
+            design |= {op["name"]: float(op["to"]["value"]) for op in ops}
             everything = self.everything.copy()
             everything[self.places] = list(design.values())
             after = self.answers(everything)[0] if ops else None

@@ -104,6 +104,12 @@ def number_like(text: str, value: float, digits: int) -> str:
     return f"{mantissa}{exponent[0].strip()}" if "e" not in mantissa else plain
 
 
+def name_ops(document: Document, values: Mapping[str, float], digits: int) -> list[dict[str, Any]]:
+    """The edit that sets names, in the notation of their present values."""
+    texts = {name: number_like(document.names[name]["value"], value, digits) for name, value in values.items()}
+    return [{"op": "name", "name": n, "to": {**document.names[n], "value": text}} for n, text in texts.items()]
+
+
 def checked_free(document: Document, free: Sequence[str]) -> list[str]:
     """Names that may change."""
     known = free_names(document)

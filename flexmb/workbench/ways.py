@@ -123,18 +123,16 @@ class Ways:
 
 def numeric_fields(document: Document) -> list[str]:
     """Addresses of the fields with numbers to differentiate by: no names, and no numbers that choose code."""
-    integer_fields = set()
+    whole_fields = {"names"}
     for item in document.things:
-        call = call_of(item)
-        fields = call.fields if call else {}
-        integer_fields.update(f"{item['id']}/{name}" for name, field in fields.items() if field["whole"])
-    return [
-        address
-        for address in numeric_values(document)
-        if not address.startswith("names/")
-        and address not in integer_fields
-        and address.rpartition("/")[0] not in integer_fields
-    ]
+        fields = call.fields if (call := call_of(item)) else {}
+        whole_fields.update(f"{item['id']}/{name}" for name, field in fields.items() if field["whole"])
+
+    def varies(address: str) -> bool:
+        parts = address.split("/")
+        return whole_fields.isdisjoint((parts[0], "/".join(parts[:2])))
+
+    return [address for address in numeric_values(document) if varies(address)]
 
 
 def _kind(document: Document, answers: Answers, key: str) -> Any:
@@ -160,10 +158,8 @@ def _closure(document: Document, answers: Answers, answer: Answer, numbers: Mapp
     def value_and_slopes(flat: Any):
         parameter_tree, pull = jax.vjp(parameters, flat)
         (value, code), slopes = jax.value_and_grad(of_parameters, has_aux=True)(parameter_tree)
-        shares = [
-            _section_slopes(mine, theirs)
-            for mine, theirs in zip(parameter_tree.properties, slopes.properties, strict=True)
-        ]
+        pairs = zip(parameter_tree.properties, slopes.properties, strict=True)
+        shares = [_section_slopes(properties, changes) for properties, changes in pairs]
         return value, pull(slopes)[0], shares, code
 
     compiled = jit(value_and_slopes)
@@ -174,9 +170,8 @@ def _closure(document: Document, answers: Answers, answer: Answer, numbers: Mapp
 def _section_slopes(properties: dict[str, Any], slopes: dict[str, Any]) -> list[Any]:
     """Slopes times sizes, summed over the sizes of each section, for every stack of sections of a block."""
     sums = []
-    stacks = [
-        entry if isinstance(entry, tuple) else (entry,) for entry in (properties.get("section"), slopes.get("section"))
-    ]
+    sections = [part.get("section") for part in (properties, slopes)]
+    stacks = [section if isinstance(section, tuple) else (section,) for section in sections]
     for section, slope in zip(*stacks, strict=True):
         if section is not None:
             pairs = zip(jax.tree.leaves(_sizes(section)), jax.tree.leaves(_sizes(slope)), strict=True)
