@@ -118,10 +118,8 @@ def _system(source: Any) -> tuple[Any, float]:
     if isinstance(source, Model | Linearization):
         return to_statespace(source), FARTHEST
     if not isinstance(source, control.StateSpace):
-        raise TypeError(
-            "A Bode plot needs a Model, a Linearization, a FrequencyResponse or a control.StateSpace, not"
-            f" {kind_of(source)}."
-        )
+        known = "a Model, a Linearization, a FrequencyResponse or a control.StateSpace"
+        raise TypeError(f"A Bode plot needs {known}, not {kind_of(source)}.")
     if source.isdtime(strict=True):
         raise ValueError(f"A Bode plot needs a continuous system, not one sampled every {source.dt} s.")
     return source, np.inf

@@ -34,10 +34,8 @@ def new_axes(dimension: int, ax: Any = None) -> Any:
 
         return plt.figure(layout="constrained").add_subplot(projection="3d" if dimension == 3 else None)
     if (ax.name == "3d") != (dimension == 3):
-        raise ValueError(
-            f"Argument `ax` must be axes of {dimension} dimensions for this mechanism"
-            + (": make them with projection='3d'." if dimension == 3 else ".")
-        )
+        advice = ": make them with projection='3d'" if dimension == 3 else ""
+        raise ValueError(f"Argument `ax` must be axes of {dimension} dimensions for this mechanism{advice}.")
     return ax
 
 
@@ -207,9 +205,8 @@ def spread_texts(ax: Any) -> None:
     for i in sorted(range(len(texts)), key=lambda i: -boxes[i].y0):
         moved = _free(boxes[i], bounds, occupied)
         occupied.append(moved)
-        shift = ScaledTranslation(
-            (moved.x0 - boxes[i].x0) / root.dpi, (moved.y0 - boxes[i].y0) / root.dpi, root.dpi_scale_trans
-        )
+        dx, dy = moved.x0 - boxes[i].x0, moved.y0 - boxes[i].y0
+        shift = ScaledTranslation(dx / root.dpi, dy / root.dpi, root.dpi_scale_trans)
         texts[i].set_transform(texts[i].get_transform() + shift)
 
 

@@ -94,10 +94,8 @@ def _places(model: Model) -> dict[str, str]:
 def _forces(model: Model, x: np.ndarray) -> np.ndarray:
     """Nodal forces of all loads except gravity, (n_x,)."""
     p = model.parameters
-    light = [
-        None if load_set is None else dataclasses.replace(load_set, gravity=None) for load_set in (p.loads, p.increment)
-    ]
-    parameters = dataclasses.replace(p, loads=light[0], increment=light[1])
+    loads, increment = (None if s is None else dataclasses.replace(s, gravity=None) for s in (p.loads, p.increment))
+    parameters = dataclasses.replace(p, loads=loads, increment=increment)
     return np.asarray(nodal_forces(model.topology, parameters, LoadFactors(1.0, 1.0), jax.device_put(x)))
 
 

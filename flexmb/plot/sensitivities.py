@@ -27,10 +27,8 @@ def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
     elif isinstance(found, Tolerances):
         bars, label = 100 * np.asarray(found.shares), "share of the answer's variance [%]"
     else:
-        raise TypeError(
-            "Argument `found` must be a result of fm.sensitivities(..) or fm.tolerances(..), but is a"
-            f" {type(found).__name__}."
-        )
+        known = "a result of fm.sensitivities(..) or fm.tolerances(..)"
+        raise TypeError(f"Argument `found` must be {known}, but is a {type(found).__name__}.")
     ax = plain_axes(ax)
     finite = np.where(np.isfinite(bars), bars, 0.0)
     order = np.argsort(np.max(np.abs(finite), axis=0))
@@ -39,9 +37,8 @@ def sensitivities(found: Sensitivities | Tolerances, *, ax: Any = None) -> Any:
         # Answers in their order from top to bottom.
         at = np.arange(len(order)) + (len(found.answers) / 2 - i - 0.5) * height
         drawn = ax.barh(at, finite[i, order], height=height, label=answer)
-        ax.bar_label(
-            drawn, [f"{v:.3g}" if np.isfinite(v) else "no value" for v in bars[i, order]], fontsize=7, padding=2
-        )
+        texts = [f"{value:.3g}" if np.isfinite(value) else "no value" for value in bars[i, order]]
+        ax.bar_label(drawn, texts, fontsize=7, padding=2)
     ax.set_yticks(np.arange(len(order)), [found.dimensions[k] for k in order])
     ax.axvline(0.0, color="#777777", linewidth=1.0)
     ax.margins(x=0.15)

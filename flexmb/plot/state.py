@@ -17,10 +17,8 @@ def states_of(shown: Any, at: Any = None) -> States:
         raise TypeError("A picture needs concrete numbers: draw it outside jax.jit and jax.grad.")
     states = shown.states() if isinstance(shown, Result) else None
     if states is None:
-        raise TypeError(
-            "A picture needs a Model (with at= for a configuration), an Equilibrium with its model, a Linearization, a"
-            f" Path or a Motion, not {kind_of(shown)}."
-        )
+        known = "a Model (with at= for a configuration), an Equilibrium with its model, a Linearization, a Path"
+        raise TypeError(f"A picture needs {known} or a Motion, not {kind_of(shown)}.")
     if at is not None and states.model is not shown:
         raise ValueError(f"Argument `at` needs a Model; {kind_of(shown)} has its own state.")
     if at is not None and not hasattr(at, "x"):

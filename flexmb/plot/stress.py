@@ -116,9 +116,8 @@ def values_of(found: Any, quantity: str | None, *, of_states: bool = False) -> t
     For a stress: the largest value of the eight points of the surface, with its sign.
     """
     if not hasattr(found, "quantities"):
-        raise TypeError(
-            f"Colours of stress need fm.stress(model) or fm.linear.section_resultants(model), not {kind_of(found)}."
-        )
+        known = "fm.stress(model) or fm.linear.section_resultants(model)"
+        raise TypeError(f"Colours of stress need {known}, not {kind_of(found)}.")
     known = found.quantities()
     if quantity is None:
         quantity = "von Mises" if "von Mises" in known else "bending moment y"
@@ -126,9 +125,8 @@ def values_of(found: Any, quantity: str | None, *, of_states: bool = False) -> t
         raise ValueError(f"Argument `quantity` must be one of {', '.join(known)}, but is '{quantity}'.")
     values, unit = known[quantity]
     if values.ndim > 2 and not of_states:
-        raise ValueError(
-            f"This stress has {len(values)} states: draw one state, such as fm.stress(model, at=.., step=-1)."
-        )
+        advice = "draw one state, such as fm.stress(model, at=.., step=-1)"
+        raise ValueError(f"This stress has {len(values)} states: {advice}.")
     return (values / 1e6, SURFACE[quantity]) if quantity in SURFACE else (values, f"{quantity} [{unit}]")
 
 

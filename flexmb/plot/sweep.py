@@ -70,14 +70,11 @@ def sweep(
     if answer is None:
         names = [name for name, values in sweep_result.answers.items() if values.ndim == 1]
         if not names:
-            raise ValueError(
-                f"No answer is one number; name an entry, such as '{next(iter(sweep_result.answers), 'f')}[0]'."
-            )
+            example = f"{next(iter(sweep_result.answers), 'f')}[0]"
+            raise ValueError(f"No answer is one number; name an entry, such as '{example}'.")
         if ax is not None and len(names) > 1:
-            raise ValueError(
-                f"Argument `ax` needs `answer`: there are {len(names)} answers of one number, each with Axes of its"
-                f" own. Choose one of {', '.join(names)}."
-            )
+            why = f"there are {len(names)} answers of one number, each with Axes of its own"
+            raise ValueError(f"Argument `ax` needs `answer`: {why}. Choose one of {', '.join(names)}.")
         if ax is None:
             figure, axes = figure_grid(len(names))
             for name, panel in zip(names, axes, strict=False):

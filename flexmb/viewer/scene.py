@@ -183,11 +183,8 @@ def _stacked(arrays: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
 
 def _with_edges(drawn: list[Line], across: dict[str, np.ndarray], shapes: dict[str, Shape]) -> list[np.ndarray]:
     """Points of every line beside points of an edge of its section, which twist moves too, each (places, 2 d)."""
-    edges = [
-        line.points + shapes[line.element].width / 2 * across[line.element] if line.element in across else line.points
-        for line in drawn
-    ]
-    return [np.concatenate([line.points, edge], axis=1) for line, edge in zip(drawn, edges, strict=True)]
+    sides = {name: shapes[name].width / 2 * vectors for name, vectors in across.items()}
+    return [np.concatenate([line.points, line.points + sides.get(line.element, 0.0)], axis=1) for line in drawn]
 
 
 def _kept_indices(seen: list[list[np.ndarray]], values: np.ndarray | None) -> list[np.ndarray]:

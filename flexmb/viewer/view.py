@@ -145,11 +145,8 @@ def _values(model: Model, stress: Any, quantity: str | None, states: int) -> Col
     every = labelled_values[0][0] if labelled_values[0][0].ndim > 2 else [rows for rows, _ in labelled_values]
     several = several * len(every) if len(several) == 1 else several
     if len(several) != states:
-        raise ValueError(
-            f"Argument `stress` must have one stress for each of the {states} states, but there are {len(several)}."
-            if states > 1
-            else f"Argument `stress` must be the stress of the shown state, but there are {len(several)}."
-        )
+        must = f"have one stress for each of the {states} states" if states > 1 else "be the stress of the shown state"
+        raise ValueError(f"Argument `stress` must {must}, but there are {len(several)}.")
     drawn = lines(model, np.asarray(model.parameters.reference, float))
     known = {line.element: i for i, line in enumerate(drawn)}
     if missing := {name for stress_result in several for name in stress_result.names} - set(known):

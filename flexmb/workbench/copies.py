@@ -272,7 +272,7 @@ def _section(document: Document, block: dict[str, Any]) -> dict[str, Any]:
         call = "notch_circular" if block["args"].get("element") else "hinge_circular"
         args = {key: value for key, value in block["args"].items() if key in calls()[call].fields}
         name = f"{block['name']} notch"
-    return {"call": call, "name": document.known.unused("section", name), "args": args}
+    return {"call": call, "name": document.known.unused(name), "args": args}
 
 
 OPERATIONS = {"copy": copy, "join": join, "split": split_element, "explode": explode}

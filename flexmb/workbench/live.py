@@ -14,7 +14,6 @@ import numpy as np
 from ..errors import AnalysisError, ModelError, heard
 from ..linear.buckling import Buckling
 from ..linear.modes import Modes
-from ..model.model import Model
 from ..viewer.page import Colours, page_data
 from ..viewer.view import view
 from .advice import advice, mass_advice
@@ -30,7 +29,7 @@ class Scenes:
     def __init__(self):
         self._before: tuple[Any, np.ndarray] | None = None
 
-    def of_answers(self, found: Answers, slopes: Mapping[str, float] | None = None, label: str = "") -> dict[str, Any]:
+    def of_answers(self, found: Answers, slopes: Mapping[str, float] | None = None) -> dict[str, Any]:
         """Scene of an analysed mechanism, with elements coloured by ``slopes`` if wanted."""
         wants, model = found.wants, found.model
         colouring = found.stress if wants.colour == "stress" else None
@@ -44,7 +43,13 @@ class Scenes:
             scene_view = view(model if found.lin is None else found.lin, stress=colouring)
             description = {"kind": scene_view.kind, "mode": 0, "modes": 0}
         if slopes is not None and wants.colour == "sensitivity":
-            scene_view = dataclasses.replace(scene_view, colours=_slope_colours(model, scene_view, slopes, label))
+            parts = scene_view.lines.parts
+            # Constant along each element.
+            values = np.repeat([slopes.get(part.name, np.nan) for part in parts], [part.count for part in parts])[None]
+            largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0)) or 1.0
+            label = f"{wants.sensitivity_of}: % per % of the section's sizes"
+            colours = Colours(label, "coolwarm", -largest, largest, values)
+            scene_view = dataclasses.replace(scene_view, colours=colours)
         return {**description, "view": page_data(scene_view)}
 
     def of_count(self, count: Count) -> dict[str, Any] | None:
@@ -68,17 +73,6 @@ class Scenes:
         return dataclasses.replace(mode_set, shapes=mode_set.shapes * signs)
 
 
-def _slope_colours(model: Model, scene_view: Any, slopes: Mapping[str, float], label: str) -> Colours:
-    """Colours of elements by their sensitivity, constant along each."""
-    by_part = np.array([slopes.get(part.name, np.nan) for part in scene_view.lines.parts])
-    values = np.repeat(by_part, [part.count for part in scene_view.lines.parts])[None]
-    finite = np.abs(by_part[np.isfinite(by_part)])
-    largest = float(np.max(finite, initial=0.0)) or 1.0
-    return Colours(label, "coolwarm", -largest, largest, values)
-
-
-Tell = Callable[[dict[str, Any]], None]
-
 # Number of structures known to be compiled.
 MOST = 200
 
@@ -93,7 +87,7 @@ class Live:
         counted: Newest count with its advice.
     """
 
-    def __init__(self, tell: Tell, build: Callable[[Any], Any] = build):
+    def __init__(self, tell: Callable[[dict[str, Any]], None], build: Callable[[Any], Any] = build):
         """Start the thread, which calls ``tell`` with every message; ``build`` makes builder and problems."""
         self._tell, self._build = tell, build
         self._changed = threading.Condition()
@@ -166,11 +160,9 @@ class Live:
         dof_count = self._count(revision, built, document.things)
         if built.problems:
             more = f" There are {len(built.problems)} such problems." if len(built.problems) > 1 else ""
-            self._failed(revision, f"{built.problems[0]['message']}{more}")
-            self._show(revision, lambda: self._scenes.of_count(dof_count))
+            self._failed(revision, f"{built.problems[0]['message']}{more}", dof_count)
         elif dof_count.model is None:
-            self._failed(revision, dof_count.message)
-            self._show(revision, lambda: self._scenes.of_count(dof_count))
+            self._failed(revision, dof_count.message, dof_count)
         else:
             self._answer(revision, dof_count, document, wants)
 
@@ -194,14 +186,18 @@ class Live:
         while len(self._compiled) > MOST:
             del self._compiled[next(iter(self._compiled))]
 
-    def _failed(self, revision: int, message: str) -> None:
-        """Send the last good answers, which are old."""
+    def _failed(self, revision: int, message: str, dof_count: Count | None = None) -> None:
+        """Send the last good answers, which are old, and the scene of a count."""
         self._say("answers", revision, status="failed", message=message, stale=True, **self._good)
+        if dof_count is not None:
+            self._show(revision, lambda: self._scenes.of_count(dof_count))
 
     def _answer(self, revision: int, dof_count: Count, document: Any, wants: Wants) -> None:
         assert dof_count.model is not None
         answers, announced = Answers(dof_count.model, wants), False
-        kind = _structure(dof_count.model)
+        # What an analysis is compiled for: structure, and shapes of all arrays.
+        leaves, structure = jax.tree.flatten((dof_count.model.topology, dof_count.model.parameters))
+        kind = structure, tuple(leaf.shape for leaf in leaves)
         with heard() as heard_warnings:
             heard_warnings.extend(dof_count.warnings)
             for name, analyse in answers.analyses():
@@ -213,13 +209,13 @@ class Live:
                 try:
                     analyse()
                 except (AnalysisError, ModelError, NotImplementedError) as fault:
-                    self._failed(revision, str(fault))
-                    self._show(revision, lambda: self._scenes.of_count(dof_count))
+                    self._failed(revision, str(fault), dof_count)
                     return
                 self._remember(key)
                 if is_new:
-                    if self._is_old():
-                        return
+                    with self._changed:
+                        if self._next is not None:
+                            return
                     self._computing(revision, **_so_far(revision, answers, heard_warnings))
                     if name == "frequencies":
                         self._show(revision, lambda: self._scenes.of_answers(answers))
@@ -230,22 +226,17 @@ class Live:
         self._say("answers", revision, status="ok", message=message, stale=False, **self._good)
         if answers.fault is not None and (suggestions := mass_advice(dof_count.model)):
             self._tell_count(revision, dof_count, [*suggestions, *self.counted["advice"]])
-        slopes, label = None, ""
+        slopes = None
         if wants.sensitivity_of is not None:
             ways = self._ways.of(document, answers)
             self._say("ways", revision, **ways)
-            slopes, label = ways["by_element"], f"{wants.sensitivity_of}: % per % of the section's sizes"
-        self._show(revision, lambda: self._scenes.of_answers(answers, slopes, label))
+            slopes = ways["by_element"]
+        self._show(revision, lambda: self._scenes.of_answers(answers, slopes))
 
     def _computing(self, revision: int, **partial: Any) -> None:
         content = {**self._good, **partial}
         stale = content["of_revision"] != revision
         self._say("answers", revision, status="computing", message="", stale=stale, **content)
-
-    def _is_old(self) -> bool:
-        """Whether a newer document waits."""
-        with self._changed:
-            return self._next is not None
 
     def _show(self, revision: int, make: Callable[[], dict[str, Any] | None]) -> None:
         """Send a scene; a scene that cannot be drawn takes no answer with it."""
@@ -262,12 +253,6 @@ def _so_far(revision: int, answers: Answers, heard_warnings: list[str]) -> dict[
     """Answers of a revision so far, as copies: the caller sends them while more are computed."""
     warnings = list(dict.fromkeys(heard_warnings))
     return {"of_revision": revision, "values": dict(answers.values), "words": [*answers.words], "warnings": warnings}
-
-
-def _structure(model: Model) -> Any:
-    """What an analysis is compiled for: structure, and shapes of all arrays."""
-    leaves, structure = jax.tree.flatten((model.topology, model.parameters))
-    return structure, tuple(leaf.shape for leaf in leaves)
 
 
 def _nothing() -> dict[str, Any]:

@@ -56,6 +56,11 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     return mirrored.with_things([*others, *items], next=number), Report([item["id"] for item in items], [], "mirror")
 
 
+def _signed(texts: list[str], signs: Any) -> list[str]:
+    """Texts of numbers, with the other sign where a sign is negative."""
+    return [negated(text) if sign < 0 else text for text, sign in zip(texts, signs, strict=False)]
+
+
 def _mirrored_section(section: dict[str, Any], turned: bool) -> dict[str, Any]:
     """Arguments of a section whose local z is reversed, or whose local y is where that is ``turned``."""
     args = dict(section["args"])
@@ -128,8 +133,7 @@ class _Image:
             return negated(value) if self._sign_of_entry(item) < 0 else value
         if key == "values" and name in ("prestress", "strain"):
             values = [value] if isinstance(value, str) else value
-            signs = self._parity(item, "element")
-            return [negated(text) if sign < 0 else text for text, sign in zip(values, signs, strict=False)]
+            return _signed(values, self._parity(item, "element"))
         if key == "gradient":
             return self._gradient(item, value)
         kind = call.fields[key]["kind"] if key in call.fields else None
@@ -182,9 +186,7 @@ class _Image:
             return {}
         flips, _ = self._image_of(item["name"], item["id"])
         return {
-            key: negated(value)
-            if isinstance(value, str)
-            else [negated(v) if s < 0 else v for v, s in zip(value, flips[key], strict=False)]
+            key: negated(value) if isinstance(value, str) else _signed(value, flips[key])
             for key, value in args.items()
             if np.any(np.asarray(flips.get(key, 1)) < 0)
         }
@@ -256,13 +258,8 @@ class _Image:
                 new_items.append(item)
                 continue
             if id not in new_sections:
-                name = known.unused("section", f"{section['name']} mirrored")
-                new_sections[id] = {
-                    "id": str(number + len(new_sections)),
-                    "call": section["call"],
-                    "name": name,
-                    "args": args,
-                }
+                name, new_id = known.unused(f"{section['name']} mirrored"), str(number + len(new_sections))
+                new_sections[id] = {"id": new_id, "call": section["call"], "name": name, "args": args}
             new_items.append({**item, "args": {**item["args"], "section": new_sections[id]["name"]}})
         return [*new_sections.values(), *new_items]
 

@@ -49,9 +49,8 @@ def references(thing: dict[str, Any]) -> Iterator[tuple[str, tuple[str, ...], st
                 if isinstance(pair, list) and pair and pair[0] and isinstance(pair[0], str):
                     yield f"{argument}/{k}/0", spaces, pair[0]
         elif isinstance(value, list):
-            yield from (
-                (f"{argument}/{k}", spaces, name) for k, name in enumerate(value) if name and isinstance(name, str)
-            )
+            names = [(k, name) for k, name in enumerate(value) if name and isinstance(name, str)]
+            yield from ((f"{argument}/{k}", spaces, name) for k, name in names)
         elif value:
             yield argument, spaces, value
 
@@ -107,9 +106,9 @@ class Names:
                 return ids.pop()
         return None
 
-    def unused(self, space: str, name: str) -> str:
-        """A name, with as many primes behind it as make it new."""
-        while name in self.by_space.get(space, {}):
+    def unused(self, name: str) -> str:
+        """A name of a section, with as many primes behind it as make it new."""
+        while name in self.by_space.get("section", {}):
             name += "'"
         return name
 
