@@ -63,8 +63,9 @@ def test_colours_are_stress_or_sensitivity(found):
     assert view["colours"]["label"] == "von Mises stress [MPa]"
     assert np.nanmax(numbers(view["colours"]["values"])) == approx(found.values["stress"]["value"] / 1e6, rel=0.05)
     slopes = {"left 1": 1.0, "right 1": -2.0}
-    view = Scenes().of_answers(wanting(found, colour="sensitivity"), slopes, "percent")["view"]
-    assert (view["colours"]["label"], view["colours"]["low"], view["colours"]["high"]) == ("percent", -2.0, 2.0)
+    view = Scenes().of_answers(wanting(found, colour="sensitivity", sensitivity_of="mass"), slopes)["view"]
+    assert view["colours"]["label"] == "mass: % per % of the section's sizes"
+    assert (view["colours"]["low"], view["colours"]["high"]) == (-2.0, 2.0)
     values = numbers(view["colours"]["values"])
     for name, _, start, number, _ in view["parts"]:
         own = values[start : start + number]
