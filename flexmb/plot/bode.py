@@ -99,11 +99,10 @@ def bode(
     us = [j for j in range(len(columns)) if inputs is not None or np.any(moved[:, j])]
     names = [[names[0][i] for i in rows], [names[1][j] for j in columns]]
     figure = _drawn(frequencies, responses, moved, (ys, us), names)
-    notes = [
-        f"{effect}: {', '.join(name for i, name in enumerate(every) if i not in indices)}"
-        for effect, indices, every in zip(("no response", "without effect"), (ys, us), names, strict=True)
-        if len(indices) < len(every)
-    ]
+    notes = []
+    for effect, indices, every in zip(("no response", "without effect"), (ys, us), names, strict=True):
+        if left_out := [name for i, name in enumerate(every) if i not in indices]:
+            notes.append(f"{effect}: {', '.join(left_out)}")
     if beyond:
         notes.append(f"{beyond} poles are outside the picture: give hertz= to see them")
     if notes:
@@ -222,12 +221,12 @@ def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
     """
     poles = np.abs(poles[np.imag(poles) >= 0]) / (2 * np.pi)
     poles = poles[poles > POLE_AT_ZERO * np.max(poles, initial=0.0)]
-    poles = poles if poles.size else np.ones(1)
-    near_poles = poles[poles <= farthest / 10 * np.min(poles)]
-    beyond, poles = len(poles) - len(near_poles), near_poles
+    every = poles if poles.size else np.ones(1)
+    poles = every[every <= farthest / 10 * np.min(every)]
     ends = np.log10(np.min(poles)) - 1, np.log10(np.max(poles)) + 1
     beside = 10 ** np.concatenate([-np.logspace(-5, -1, 20), np.logspace(-5, -1, 20)])
-    return np.unique(np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()])), beyond
+    hertz = np.concatenate([np.logspace(*ends, 400), np.outer(poles, beside).ravel()])
+    return np.unique(hertz), len(every) - len(poles)
 
 
 def _chosen(kind: str, known: Sequence[str], requested: Sequence[str] | str | None) -> list[int]:

@@ -91,10 +91,9 @@ def offered_analyses(document: Document) -> dict[str, dict[str, Any]]:
 
 
 def _analysis_of_mode(mode: Mode) -> Analysis:
-    needs = (*mode.needs, *(("frequencies",) if "signals" in mode.needs else ()))
-    title = mode.name.replace("-", " ").capitalize() + (" and Bode plot" if "signals" in mode.needs else "")
-    title = f"{title} (mode {mode.number})"
-    return Analysis(title, mode.about[:1].upper() + mode.about[1:], needs, lambda asked: _run(mode, asked))
+    bode, more = (" and Bode plot", ("frequencies",)) if "signals" in mode.needs else ("", ())
+    title, doc = mode.name.replace("-", " ").capitalize(), mode.about[:1].upper() + mode.about[1:]
+    return Analysis(f"{title}{bode} (mode {mode.number})", doc, (*mode.needs, *more), lambda asked: _run(mode, asked))
 
 
 def run(document: Document, name: str, options: Mapping[str, Any], job: Job) -> dict[str, Any]:
@@ -176,14 +175,12 @@ def _trajectory(asked: Request) -> dict[str, Any]:
     owner, component = (f"{node}.rotation", 1) if axis == "phi" else (node, "xyz".index(axis) + 1)
     if owner not in builder.nodes:
         raise ModelError(f"'{printable(name)}' does not turn: no element asks for the rotation of '{printable(node)}'.")
-    key = ("node", owner, component)
     if not builder.dofs and builder.nodes[owner].roles[component - 1].name == "DEPENDENT":
         builder.dof(node, axis)
-    owner_node: Any = builder.nodes[owner]
-    start = float(owner_node.start[component - 1])
-    # Names of files are numbers.
+    # Names of files are numbers, and start values may be unknown.
     at: Any = owner
-    leg = Leg(at, key[2], 0.0, options["duration"], start + options["by"], options["law"], 1)
+    start: Any = builder.nodes[owner].start
+    leg = Leg(at, component, 0.0, options["duration"], float(start[component - 1]) + options["by"], options["law"], 1)
     settings: dict[str, Any] = {"TRAJX": [leg]}
     for i, signal in enumerate(builder.signals["input"], 1):
         keyword = NOMINAL[0] if signal.key[0] == "node" else NOMINAL[1]
@@ -238,10 +235,8 @@ def _sweep(asked: Request) -> dict[str, Any]:
     name, numbers = options["name"] or free_names(document)[0], numeric_values(document)
     present_value = float(numbers[f"names/{name}/value"])
     ends = [options[end] if options[end] is not None else numbers.get(f"names/{name}/{end}") for end in ("low", "high")]
-    low, high = (
-        float(v if v is not None else w)
-        for v, w in zip(ends, sorted((present_value / 2, 2 * present_value)), strict=True)
-    )
+    wide = sorted((present_value / 2, 2 * present_value))
+    low, high = (float(w if end is None else end) for end, w in zip(ends, wide, strict=True))
     if not low < high:
         raise ValueError(f"'{printable(name)}' goes from {low:g} to {high:g}. The last value must be larger.")
     keys = [f"frequency {i + 1}" for i in range(min(3, model.topology.n_q))] + ["mass"]

@@ -256,6 +256,7 @@ class _Building:
         self.problems: list[dict[str, str]] = []
         self.made: dict[str, list[MadeCall]] = {}
         self.records = self.arguments.records
+        # Each visited thing: "open", "made" or "left out".
         self.state: dict[str, str] = {}
         self.needs = {item["id"]: referred(document.known, item) for item in document.things}
 
@@ -290,10 +291,8 @@ class _Building:
                 waiting += reversed(open_)
                 continue
             waiting.pop()
-            if any(self.state[other] == "left out" for other in needs):
-                self.state[id] = "left out"
-            else:
-                self.state[id] = "made" if self._make(self.document.by_id[id]) else "left out"
+            whole = all(self.state[other] != "left out" for other in needs)
+            self.state[id] = "made" if whole and self._make(self.document.by_id[id]) else "left out"
 
     def _make(self, item: dict[str, Any]) -> bool:
         """Make the call of a thing; False if it fails."""
@@ -345,14 +344,13 @@ class _Building:
         quoted = [key for key in call.fields if re.search(rf"['`\"]{key}['`\"]|\b{key} = |\b{key} must\b", message)]
         # Names of things are no names of fields.
         plain = re.sub(r"'[^']*'", "", message)
-        matches = {
-            key: re.search(rf"\b({FIELD_WORDS.get(field['kind'], '$')}|{key.rstrip('s')})", plain, re.IGNORECASE)
-            for key, field in call.fields.items()
-        }
-        places = {key: match.start() for key, match in matches.items() if match}
-        words = sorted(places, key=lambda key: places[key])
-        args = item["args"]
-        candidates = [key for key in quoted if key in args] or [key for key in words if key in args] or quoted
+        places = {}
+        for key, field in call.fields.items():
+            words = f"{FIELD_WORDS.get(field['kind'], '$')}|{key.rstrip('s')}"
+            if match := re.search(rf"\b({words})", plain, re.IGNORECASE):
+                places[key] = match.start()
+        args, mentioned = item["args"], sorted(places, key=lambda key: places[key])
+        candidates = [key for key in quoted if key in args] or [key for key in mentioned if key in args] or quoted
         return f"{id}/{candidates[0]}" if candidates else id
 
 

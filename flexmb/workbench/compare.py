@@ -57,12 +57,11 @@ def _names(before: Document, present: Document, old: Mapping, new: Mapping) -> I
 def _fields(before: Document, present: Document, old: Mapping, new: Mapping) -> Iterator[dict[str, Any]]:
     """Fields with different texts, of things in both; a different value of a name counts there."""
     for item in present.things:
-        if item["id"] in before.by_id:
-            texts, former = dict(_texts(item)), dict(_texts(before.by_id[item["id"]]))
-            for path in {**former, **texts}:
-                if former.get(path) != texts.get(path):
-                    label = f"{_title(item)}: {path.split('/')[0].replace('_', ' ')}"
-                    yield _change(f"{item['id']}/{path}", label, [former.get(path), texts.get(path)], old, new)
+        former, texts = (dict(_texts(t)) for t in (before.by_id.get(item["id"], item), item))
+        for path in {**former, **texts}:
+            if former.get(path) != texts.get(path):
+                label = f"{_title(item)}: {path.split('/')[0].replace('_', ' ')}"
+                yield _change(f"{item['id']}/{path}", label, [former.get(path), texts.get(path)], old, new)
 
 
 def _change(address: str, label: str, texts: list[Any], old: Mapping, new: Mapping) -> dict[str, Any]:

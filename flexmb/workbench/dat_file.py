@@ -94,20 +94,21 @@ def not_expressible(document: Document) -> list[str]:
     joined: set[str] = set()
     # Remove one fault after the other, to report all at once.
     for _ in range(MOST_FAULTS):
+        builder = build(document).builder
+        joined = joined or {n for m in builder.members.values() if not m.hidden for n in m.nodes}
         try:
-            joined = joined or {n for m in build(document).builder.members.values() if not m.hidden for n in m.nodes}
-            lines_of(_without_strength(build(document).builder), {})
+            lines_of(_without_strength(builder), {})
+            break
         except ModelError as fault:
-            if refusals and not build(document).builder.members:
-                break
-            if str(fault) not in map(no_element_message, joined):
-                refusals.append(str(fault).removesuffix("."))
-            culprit = _culprit(document, str(fault))
-            if culprit is None:
-                break
-            document = apply(document, [{"op": "delete", "ids": [culprit]}])[0]
-            continue
-        break
+            message = str(fault)
+        if refusals and not builder.members:
+            break
+        if message not in map(no_element_message, joined):
+            refusals.append(message.removesuffix("."))
+        culprit = _culprit(document, message)
+        if culprit is None:
+            break
+        document = apply(document, [{"op": "delete", "ids": [culprit]}])[0]
     return list(dict.fromkeys(refusals))
 
 

@@ -134,10 +134,9 @@ class Answers:
         values, squares = np.asarray(mode_set.frequencies).tolist(), np.asarray(mode_set.eigenvalues).tolist()
         free = FREE_MOTION * max(map(abs, squares), default=0.0)
         for i, (hertz, square) in enumerate(zip(values[:FREQUENCIES], squares, strict=False), 1):
-            unstable = square < -free
-            text = f"unstable, ω² = {square:.4g} rad²/s²" if unstable else None
-            text = "0 Hz, moves freely" if abs(square) <= free else text
-            self._add(f"frequency {i}", hertz, "Hz", text=text, unstable=unstable)
+            special = f"unstable, ω² = {square:.4g} rad²/s²" if square < -free else "0 Hz, moves freely"
+            text = special if square <= free else None
+            self._add(f"frequency {i}", hertz, "Hz", text=text, unstable=square < -free)
         if mode_set.massless:
             self.words.append(f"{counted(mode_set.massless, 'motion')} without mass have no frequency.")
         if not self.model.topology.n_q:

@@ -213,8 +213,7 @@ class Session:
         """Keep this design for comparison."""
         if self._answers.get("of_revision") != self.history.revision:
             self.live.wait(LONGEST_WAIT)
-        known = self._answers
-        values = known["values"] if known.get("of_revision") == self.history.revision else {}
+        values = self._answers["values"] if self._answers.get("of_revision") == self.history.revision else {}
         self._pinned = Pinned(self.history.document, self.history.revision, values)
         self._tell_pinned()
 
@@ -325,7 +324,7 @@ class Session:
             self.tell({"tell": "analyses", "analyses": offers})
 
     def _tell_pinned(self) -> None:
-        pinned, known = self._pinned, self._answers
-        document = self.history.document
-        if pinned is not None and known.get("of_revision") == self.history.revision:
-            self.tell({"tell": "pinned", "differences": differences(pinned, document, known["values"])})
+        known = self._answers
+        if self._pinned is not None and known.get("of_revision") == self.history.revision:
+            changes = differences(self._pinned, self.history.document, known["values"])
+            self.tell({"tell": "pinned", "differences": changes})
