@@ -34,16 +34,16 @@ def image_of(found: Result, format: str, picture: str = "", stressed: Linearizat
     return figure_bytes(draw, format)
 
 
-def figure_bytes(draw: Callable[[], Any], format: str) -> bytes:
+def figure_bytes(draw: Callable[[], Any], format: str, settings: Any = CONSTANT, dpi: float = 150) -> bytes:
     """Content of a file with a figure, which is then closed. The same figure gives the same bytes."""
     import matplotlib
 
-    with matplotlib.rc_context(CONSTANT):
+    with matplotlib.rc_context(settings):
         import matplotlib.pyplot as plt
 
         figure = draw()
         buffer = io.BytesIO()
-        figure.savefig(buffer, format=format, dpi=150, metadata=DATES.get(format))
+        figure.savefig(buffer, format=format, dpi=dpi, metadata=DATES.get(format))
         plt.close(figure)
     return buffer.getvalue()
 

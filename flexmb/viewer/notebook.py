@@ -8,6 +8,7 @@ from typing import Any
 
 from .. import plot
 from ..display import Result
+from ..plot.answer import figure_bytes
 
 DOTS_PER_INCH = 60
 COLOURS = 32
@@ -33,23 +34,12 @@ def card(found: Result) -> str | None:
 
 
 def _picture(result: Result, name: str, small: Mapping[str, Any]) -> str:
-    """Small picture of a result as PNG in base64."""
-    import matplotlib
-    import matplotlib.pyplot as plt
-
-    # The first figure loads a backend for good, even within a context. It must be the user's backend.
-    with matplotlib.rc_context({"font.size": 9}):
-        figure = getattr(plot, name)(result, **small).figure
-        buffer = io.BytesIO()
-        figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
-        plt.close(figure)
-    return base64.b64encode(_small(buffer)).decode()
-
-
-def _small(picture: io.BytesIO) -> bytes:
-    """A PNG with a palette, as notebooks keep every picture."""
+    """Small picture of a result as PNG in base64, with a palette, as notebooks keep every picture."""
     from PIL import Image
 
+    # The first figure loads a backend for good, even within a context. It must be the user's backend.
+    settings = {"font.size": 9}
+    picture = figure_bytes(lambda: getattr(plot, name)(result, **small).figure, "png", settings, DOTS_PER_INCH)
     buffer = io.BytesIO()
-    Image.open(picture).convert("RGB").quantize(COLOURS).save(buffer, format="png", optimize=True)
-    return buffer.getvalue()
+    Image.open(io.BytesIO(picture)).convert("RGB").quantize(COLOURS).save(buffer, format="png", optimize=True)
+    return base64.b64encode(buffer.getvalue()).decode()
