@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -46,18 +47,27 @@ class NoValueError(ValueError):
         self.names = names
 
 
-def open_dat(path: Path) -> tuple[Document, list[str]]:
-    """The document of a SPACAR input file, and notes: warnings, and what a document cannot contain.
+def open_dat(path: str | os.PathLike, numbers: Mapping[str, Any] | None = None) -> tuple[Document, list[str]]:
+    """Open a SPACAR input file.
 
-    Text in braces becomes names and arithmetic of fields. Their values come from the study beside the file, such as
-    ``guide.toml`` beside ``guide.dat``, whose functions are never called.
+    Text in braces becomes names and arithmetic of fields. Their values come from ``numbers`` (a value, or a tuple of
+    value, lowest and highest), or from the study beside the file, such as ``guide.toml`` beside ``guide.dat``. The
+    workbench never calls functions of a study.
+
+    Returns:
+        The document, and notes: warnings of the reader, and what a document cannot contain.
     """
+    path = Path(path)
     text = read_text(path)
     names = list(placeholders(statements(text, {})))
-    beside, notes = names_beside(path)
-    if missing := [name for name in names if name not in beside]:
+    beside, notes = names_beside(path) if names or not numbers else ({}, [])
+    known: dict[str, Any] = {**beside, **(numbers or {})}
+    if missing := [name for name in names if name not in known]:
         raise NoValueError(printable(path.name), missing)
-    values = {n: tuple(map(float, v)) if len(v) == 3 else float(v[0]) for n, v in beside.items() if n in names}
+    # In the order of the study.
+    names = [name for name in dict.fromkeys([*beside, *names]) if name in names]
+    several = {n: v if isinstance(v := known[n], tuple | list) else (v,) for n in names}
+    values = {n: tuple(map(float, v)) if len(v) == 3 else float(v[0]) for n, v in several.items()}
     warnings: list[str] = []
 
     def read(**placeholder_values: Any) -> SpacarModel:
@@ -173,11 +183,12 @@ def _is_other_section(section: dict[str, Any], document: Document) -> bool:
     return any(item["call"] not in (*leaf, "Rigidity") for item in users) or not users
 
 
-def save_dat(document: Document, path: Path) -> list[str]:
+def save_dat(document: Document, path: str | os.PathLike) -> list[str]:
     """Save a SPACAR input file with names in braces, and their values and bounds as the study beside it.
 
     Lines of an analysis such as TIMESTEP stay in an existing file; an existing study keeps all but [parameters].
     """
+    path = Path(path)
     if problems := not_expressible(document):
         faults = "; ".join(problems)
         raise ModelError(f"A SPACAR input file cannot contain this: {faults}. Save Python or the document instead.")

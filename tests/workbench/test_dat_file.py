@@ -59,6 +59,8 @@ def test_names_without_a_value_are_asked_for(guide):
     with pytest.raises(NoValueError, match=r"guide.dat has \{w, t\}, but no study") as fault:
         open_dat(guide)
     assert fault.value.names == ["w", "t"]
+    document, _ = open_dat(guide, {"t": (0.5e-3, 0.1e-3, 1e-3), "w": 0.018})
+    assert document.names["t"]["high"] == "0.001"
 
 
 def test_what_was_saved_is_opened_and_run_as_it_was(guide, tmp_path):
