@@ -53,8 +53,7 @@ def _beside(ax: Any, item: Measured, computed: np.ndarray, band: np.ndarray) -> 
     turns = np.flatnonzero(np.diff(places) < 0) + 1
     for part in np.split(np.arange(len(places)), turns):
         draw_band(ax, places[part], computed[part], band[part], "fitted" if part[0] == 0 else None)
-    ax.set_xlabel(item.label or "number")
-    ax.set_ylabel(item.name)
+    ax.set(xlabel=item.label or "number", ylabel=item.name)
     ax.grid(visible=True, alpha=0.3)
     ax.legend(fontsize=8)
 
@@ -65,6 +64,5 @@ def _differences(ax: Any, fit_result: Fit) -> None:
     ax.plot(np.arange(1, len(rows) + 1), rows, ".", color=BLUE)
     far = np.flatnonzero(np.abs(rows) > 3)
     ax.plot(far + 1, rows[far], "o", color=RED, fillstyle="none")
-    ax.set_xlabel("value")
-    ax.set_ylabel("computed less measured [deviations]")
+    ax.set(xlabel="value", ylabel="computed less measured [deviations]")
     ax.grid(visible=True, alpha=0.3)

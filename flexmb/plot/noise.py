@@ -48,8 +48,7 @@ def noise(found: NoiseBudget, output: str | None = None) -> Any:
     name = found.outputs[0] if output is None else output
     upper.set_title(f"{name}: rms {float(found.rms(output)):.4g}", fontsize=10)
     upper.set_ylabel("density [unit/√Hz]")
-    lower.set_ylabel("cumulative rms")
-    lower.set_xlabel("frequency [Hz]")
+    lower.set(ylabel="cumulative rms", xlabel="frequency [Hz]")
     upper.legend(fontsize=8)
     for ax in (upper, lower):
         ax.grid(visible=True, which="major", alpha=0.3)

@@ -71,8 +71,7 @@ def path(
         indices = [i for i, point in enumerate(found.critical_points) if point.kind == kind]
         if indices:
             ax.plot(ca[indices], cb[indices], marker, color=BLACK, markerfacecolor="white", label=f"{kind} point")
-    ax.set_xlabel(units[0][1])
-    ax.set_ylabel(units[1][1])
+    ax.set(xlabel=units[0][1], ylabel=units[1][1])
     if plain:
         label_axis(ax.xaxis, str(found.labels.x[index]), drawn[0].unit, largest_finite(a))
     ax.grid(visible=True, alpha=0.3)

@@ -40,8 +40,7 @@ def prediction(
     draw_band(ax, places, values, deviations, "predicted")
     if measured is not None:
         ax.plot(places, np.ravel(measured), "o", color=BLACK, markersize=3, label="measured")
-    ax.set_xlabel(label or "number")
-    ax.set_ylabel(name)
+    ax.set(xlabel=label or "number", ylabel=name)
     ax.grid(visible=True, alpha=0.3)
     ax.legend(fontsize=8)
     return ax

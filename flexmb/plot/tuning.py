@@ -62,8 +62,7 @@ def tuning(found: Tuned) -> Any:
         ax.plot(curve.over, curve.values, color=BLACK, linestyle="--", label="wanted", zorder=3)
         ax.plot(curve.over, np.asarray(found.start[name]), color=GREY, marker=".", label="start")
         ax.plot(curve.over, np.asarray(found.answers[name]), color=BLUE, marker=".", label="found")
-        ax.set_ylabel(name)
-        ax.set_xlabel(curve.label)
+        ax.set(ylabel=name, xlabel=curve.label)
         ax.legend(fontsize=8)
     for ax in axes:
         ax.grid(visible=True, alpha=0.3)

@@ -18,6 +18,7 @@ from .building import Built, build
 from .calls_of import UPPER
 from .content import Document, EditError, Report, checked_text
 from .copies import cloned, selected, with_position
+from .edits import insert
 from .fields import Call
 from .image import mirror_signs, scalars_of
 from .references import call_of, references, referred
@@ -41,19 +42,14 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
     if not op.get("keep", True):
         ids = {document.thing(id)["id"] for id in op["ids"]}
         items = [image.of(item) if item["id"] in ids else item for item in document.things]
-        new_items = image.with_sections(items, ids, document.data["next"])
-        number = document.data["next"] + len(new_items) - len(items)
-        return document.with_things(new_items, next=number), Report([], [], "mirror")
+        first = items[0]["id"] if items else None
+        return image.with_sections(document.with_things(items), ids, first), Report([], [], "mirror")
     chosen = selected(document, op["ids"])
     shared = {item["id"]: item["id"] for item in chosen if image.is_on_plane(item)}
     mirrored, ids = cloned(document, chosen, image.of, shared)
-    new = set(ids)
-    items = [item for item in mirrored.things if item["id"] in new]
-    others = [item for item in mirrored.things if item["id"] not in new]
-    items = image.with_sections(items, new, mirrored.data["next"])
-    mirrored_ids = {item["id"] for item in items}
-    number = mirrored.data["next"] + len(mirrored_ids - new)
-    return mirrored.with_things([*others, *items], next=number), Report([item["id"] for item in items], [], "mirror")
+    mirrored = image.with_sections(mirrored, set(ids), ids[0] if ids else None)
+    new = [item["id"] for item in mirrored.things if item["id"] not in document.by_id]
+    return mirrored, Report(new, [], "mirror")
 
 
 def _signed(texts: list[str], signs: Any) -> list[str]:
@@ -243,25 +239,25 @@ class _Image:
         turned = 0 if self.d == 2 or self._y_turns(item["args"].get("element", "")) else 1
         return [negated(text) if k == turned else text for k, text in enumerate(value)]
 
-    def with_sections(self, things: list[dict[str, Any]], ids: set[str], number: int) -> list[dict[str, Any]]:
-        """Things, with other sections for images if a section has a product of inertia, or a general stiffness."""
-        known, new_sections = self.document.known, {}
+    def with_sections(self, document: Document, ids: set[str], before: str | None) -> Document:
+        """A document with other sections for images if a section has a product of inertia, or a general stiffness."""
+        known, number = self.document.known, document.data["next"]
+        new_sections: dict[str, dict[str, Any]] = {}
         if self.d == 2:
-            return things
+            return document
         new_items = []
-        for item in things:
+        for item in document.things:
             id = known.thing(("section",), item["args"].get("section") or "")
             section = self.document.by_id[id] if id else None
             call = call_of(item)
             args = _mirrored_section(section, call is not None and call.kind == "block") if section else None
-            if item["id"] not in ids or section is None or args == section["args"]:
-                new_items.append(item)
-                continue
-            if id not in new_sections:
-                name, new_id = known.unused(f"{section['name']} mirrored"), str(number + len(new_sections))
-                new_sections[id] = {"id": new_id, "call": section["call"], "name": name, "args": args}
-            new_items.append({**item, "args": {**item["args"], "section": new_sections[id]["name"]}})
-        return [*new_sections.values(), *new_items]
+            if id and section and item["id"] in ids and args != section["args"]:
+                if id not in new_sections:
+                    name, new_id = known.unused(f"{section['name']} mirrored"), str(number + len(new_sections))
+                    new_sections[id] = {"id": new_id, "call": section["call"], "name": name, "args": args}
+                item = {**item, "args": {**item["args"], "section": new_sections[id]["name"]}}
+            new_items.append(item)
+        return insert(document.with_things(new_items), list(new_sections.values()), before)
 
     def _block(self, item: dict[str, Any]) -> dict[str, Any]:
         """Arguments of the image of a block; its points must be the images of the points of the block."""
