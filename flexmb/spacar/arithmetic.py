@@ -18,9 +18,8 @@ _PLAIN = re.compile(rf"[ \t]*[-+]?[ \t]*{_NUMBER}[ \t]*")
 
 
 class _Operation(NamedTuple):
-    """A sign with its rank (higher ranks run first), its number of operands, and its function."""
+    """The rank of a sign (higher ranks run first), its number of operands, and its function."""
 
-    sign: str
     rank: int
     operands: int
     function: Callable[..., Any]
@@ -28,17 +27,14 @@ class _Operation(NamedTuple):
 
 # As in Python: -a**b is -(a**b), and a**b**c is a**(b**c).
 _BINARY = {
-    o.sign: o
-    for o in (
-        _Operation("+", 1, 2, operator.add),
-        _Operation("-", 1, 2, operator.sub),
-        _Operation("*", 2, 2, operator.mul),
-        _Operation("/", 2, 2, operator.truediv),
-        _Operation("**", 4, 2, operator.pow),
-    )
+    "+": _Operation(1, 2, operator.add),
+    "-": _Operation(1, 2, operator.sub),
+    "*": _Operation(2, 2, operator.mul),
+    "/": _Operation(2, 2, operator.truediv),
+    "**": _Operation(4, 2, operator.pow),
 }
-_UNARY = {"+": _Operation("+", 3, 1, operator.pos), "-": _Operation("-", 3, 1, operator.neg)}
-_OPEN = _Operation("(", 0, 0, operator.pos)
+_UNARY = {"+": _Operation(3, 1, operator.pos), "-": _Operation(3, 1, operator.neg)}
+_OPEN = _Operation(0, 0, operator.pos)
 
 
 def arithmetic_result(text: str, numbers: Mapping[str, Any]) -> Any:
@@ -59,7 +55,8 @@ def arithmetic_result(text: str, numbers: Mapping[str, Any]) -> Any:
         sign = match["sign"]
         # Before a value: a number, a name, "(" or a sign. After a value: an operation or ")".
         if expects_value and (match["number"] or match["name"]):
-            values.append(_number(match["number"]) if match["number"] else _value_of_name(match["name"], numbers))
+            name = match["name"]
+            values.append(_value_of_name(name, numbers) if name else _finite(float(match["number"])))
             expects_value = False
         elif expects_value and sign == "(":
             waiting.append(_OPEN)
@@ -138,10 +135,6 @@ def _finite(value: Any) -> Any:
     if not isinstance(value, jax.core.Tracer) and not math.isfinite(value):
         raise ValueError("has no value: a number in it is too large or not a number")
     return value
-
-
-def _number(word: str) -> float:
-    return _finite(float(word))
 
 
 def _value_of_name(name: str, numbers: Mapping[str, Any]) -> Any:

@@ -59,21 +59,16 @@ class ElementKind:
 
     @property
     def node_kinds(self) -> list[NodeKind]:
-        """Kinds of the nodes on a line."""
+        """Kinds of the nodes on a line: without coordinates of an element, with warping if the line names it."""
         kinds = self.element.nodes.values()
-        return [kind for kind in kinds if has_number(kind) or (kind.part == "warping" and self.warps)]
+        without = ("internal",) if self.warps else ("internal", "warping")
+        return [kind for kind in kinds if kind.part not in without]
 
     def element_of(self, order: int | None, stiffness: list[float]) -> Element:
         """Element type of a line, by its order and its numbers of ESTIFF."""
-        counts = any(not is_zero(v) for v in stiffness[4:])
-        options = {"order": order, "shear": counts}
-        return self.element(
-            **{name: v for name, v in options.items() if name in self.element.options and v is not None}
-        )
-
-    def stands_for(self, element: Element) -> bool:
-        """Whether this keyword names an element type."""
-        return self.element.usual == element.usual
+        options = {"order": order, "shear": any(not is_zero(v) for v in stiffness[4:])}
+        known = {name: v for name, v in options.items() if name in self.element.options and v is not None}
+        return self.element(**known)
 
     def properties(
         self, lines: dict[str, list[float]], vector: list[float] | None, numbers: dict[str, float]
@@ -88,10 +83,9 @@ class ElementKind:
         if "CLAMP" in lines:
             properties["clamped"] = [bool(flag) for flag in lines["CLAMP"]]
         rigid = "alpha" in self.element.properties
-        if vector is not None and "y" in self.element.properties and ("ALPHA" in lines or not rigid):
-            properties["y"] = stack(vector)
-        if vector is not None and "axis" in self.element.properties:
-            properties["axis"] = stack(vector)
+        for name, is_used in (("y", "ALPHA" in lines or not rigid), ("axis", True)):
+            if vector is not None and name in self.element.properties and is_used:
+                properties[name] = stack(vector)
         if "stiffness" in self.stiffness:
             for keyword, name in (("ESTIFF", "stiffness"), ("EDAMP", "damping")):
                 if keyword in lines:
@@ -101,21 +95,14 @@ class ElementKind:
         if "ALPHA" in lines and rigid:
             properties["alpha"] = lines["ALPHA"][0]
         if "ESTIFF" in lines or "EM" in lines or ("ALPHA" in lines and not rigid):
-            named = [
-                *zip(self.stiffness, lines.get("ESTIFF", []), strict=False),
-                *zip(self.mass, lines.get("EM", []), strict=False),
-            ]
+            rigidities: dict[str, Any] = dict(zip(self.stiffness, lines.get("ESTIFF", []), strict=False))
+            rigidities |= zip(self.mass, lines.get("EM", []), strict=False)
+            rigidities.pop(NOTHING, None)
             alpha = None if rigid else lines.get("ALPHA", [None])[0]
-            rigidities: dict[str, Any] = {name: value for name, value in named if name != NOTHING}
             properties["section"] = Rigidity(**rigidities, alpha=alpha)
         if "EDAMP" in lines:
             properties["damping"] = Damping(**dict(zip(self.damping, lines["EDAMP"], strict=False)))
         return properties
-
-
-def has_number(kind: NodeKind) -> bool:
-    """Whether a file numbers nodes of a kind: no coordinates of an element, no warping."""
-    return kind.part not in ("internal", "warping")
 
 
 def leaf_section(sizes: list[float]) -> Rectangle:

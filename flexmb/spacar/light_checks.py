@@ -240,11 +240,8 @@ def _options(script: Script) -> Iterator[str]:
             yield f"opt.transfer: must be true, or [true, damping ratio], but is {printable(repr(opt['transfer']))}."
             return
         opt["transfer"] = tuple(transfer.tolist()) if transfer[0] else None
-    fields = [
-        name
-        for name in ("transfer_in", "transfer_out")
-        if any(name in properties for properties in script.nprops.values())
-    ]
+    given = {name for properties in script.nprops.values() for name in properties}
+    fields = [name for name in ("transfer_in", "transfer_out") if name in given]
     if opt.get("transfer"):
         if len(fields) < 2:
             yield "opt.transfer: needs an input (transfer_in) and an output (transfer_out) at some node."

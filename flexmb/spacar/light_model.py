@@ -28,9 +28,8 @@ def node_name(node: int) -> str:
 def beam_names(script: Script, element: int) -> list[str]:
     """Names in the Builder of the beams, or of the hinge, of an element."""
     fields = script.properties(element)
-    return [
-        f"e{element}.{i + 1}" for i in range(field_value(fields, "eprops", "nbeams") if script.flexible(element) else 1)
-    ]
+    count = field_value(fields, "eprops", "nbeams") if script.flexible(element) else 1
+    return [f"e{element}.{i + 1}" for i in range(count)]
 
 
 def build_script(script: Script) -> tuple[Builder, Model, Releases]:
@@ -151,17 +150,10 @@ def _add_beams(b: Builder, script: Script, k: int, bare: bool) -> None:
         ends.append(b.node(f"e{k}.n{i}", list(start + (end - start) * (i / len(beams)))))
     ends.append(node_name(q))
     for beam, first, second in zip(beams, ends[:-1], ends[1:], strict=True):
-        named = {"name": beam, "section": section, "y": y, "released": ()}
+        element, named = spatial.beam, {"name": beam, "section": section, "y": y, "released": ()}
         if script.warps(k):
-            b.add(
-                spatial.warping_beam,
-                first,
-                second,
-                clamped=[_holds_warping(script, n) for n in (first, second)],
-                **named,
-            )
-        else:
-            b.add(spatial.beam, first, second, **named)
+            element, named["clamped"] = spatial.warping_beam, [_holds_warping(script, n) for n in (first, second)]
+        b.add(element, first, second, **named)
 
 
 def section_of(script: Script, k: int) -> Section | None:
@@ -171,11 +163,8 @@ def section_of(script: Script, k: int) -> Section | None:
     if not flexible and "dens" not in fields:
         return None
     dim = fields["dim"]
-    material = (
-        Material(E=fields["emod"], G=fields["smod"], rho=fields["dens"])
-        if flexible
-        else Material(1.0, 1.0, fields["dens"])
-    )
+    moduli = (fields["emod"], fields["smod"]) if flexible else (1.0, 1.0)
+    material = Material(*moduli, fields["dens"])
     if fields["cshape"] == "circ":
         section: Section = Circle(dim[0], material, shear=True)
     else:

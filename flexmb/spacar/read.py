@@ -98,28 +98,23 @@ def read_spacar(
         OSError: The file cannot be read.
         TypeError, ValueError: A number or a user routine is wrong.
     """
-    _check_arguments(callables or {}, numbers or {})
-    name, text = _source(path_or_text)
-    faults = _Faults()
-    r = Reading(dict(callables or {}))
     # A placeholder without names, such as "{2*pi}", needs no numbers.
+    callables, numbers = callables or {}, numbers or {}
+    _check_arguments(callables, numbers)
+    name, text = _source(path_or_text)
+    faults, r = _Faults(), Reading(dict(callables))
     read_statements: list[Statement] = []
     with contextlib.suppress(_Enough):
-        _read(r, statements(text, numbers or {}), read_statements, faults)
+        _read(r, statements(text, numbers), read_statements, faults)
     if faults:
         more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
         raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
     warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
     parameters = placeholders(read_statements)
-    warnings += [
-        f"{name}: parameter '{printable(n)}' does not occur in the file" for n in numbers or {} if n not in parameters
-    ]
     routines = {r.settings[keyword][0] for keyword in ("USERSIG", "USERINP") if keyword in r.settings}
-    warnings += [
-        f"{name}: user routine '{printable(n)}' does not occur in the file"
-        for n in callables or {}
-        if n not in routines
-    ]
+    unused = [f"parameter '{printable(n)}'" for n in numbers if n not in parameters]
+    unused += [f"user routine '{printable(n)}'" for n in callables if n not in routines]
+    warnings += [f"{name}: {what} does not occur in the file" for what in unused]
     return SpacarModel(r.builder, warnings, name, r.settings, text, parameters)
 
 
@@ -130,15 +125,12 @@ def _check_arguments(callables: Mapping[str, Any], numbers: Mapping[str, Any]) -
     if "pi" in numbers:
         raise ValueError("Argument `numbers`: 'pi' is 3.14159.. in every file; give the parameter another name.")
     for name, value in numbers.items():
+        where = f"Argument `numbers`: '{printable(name)}'"
         scalar = isinstance(value, Real) or getattr(value, "shape", None) == ()
         if not scalar or isinstance(value, bool) or (known(value) and np.asarray(value).dtype.kind not in "iuf"):
-            raise TypeError(
-                f"Argument `numbers`: '{printable(name)}' must be a real number, but is {printable(value)}."
-            )
+            raise TypeError(f"{where} must be a real number, but is {printable(value)}.")
         if known(value) and not np.isfinite(float(value)):
-            raise ValueError(
-                f"Argument `numbers`: '{printable(name)}' must be a finite number, but is {printable(value)}."
-            )
+            raise ValueError(f"{where} must be a finite number, but is {printable(value)}.")
 
 
 def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
@@ -183,8 +175,8 @@ def _read(r: Reading, lines: Iterator[Statement], read_statements: list[Statemen
         _check_clamps(r, faults)
     for number, declared in r.elements.items():
         if (member := r.builder.members.get(str(number))) is not None:
-            texts = _without_effect(number, declared.kind, member, r.lines.get(number, {}))
-            r.warnings += [(declared.statement, text) for text in texts]
+            for text in _without_effect(number, declared.kind, member, r.lines.get(number, {})):
+                r.warn(declared.statement, text)
     _warn_of_expansion(r)
     _warn_of_drawing(r)
     if not r.elements and not faults:
@@ -216,9 +208,8 @@ class _Blocks:
                     yield row, s
         if read_statements and self.ends < 2:
             last = Statement(read_statements[-1].line, "END", "END")
-            self.reading.warnings.append(
-                (last, f"{2 - self.ends} END missing at the end; flexmb reads the file as if it were there")
-            )
+            text = f"{2 - self.ends} END missing at the end; flexmb reads the file as if it were there"
+            self.reading.warn(last, text)
 
     def _row(self, s: Statement) -> Row | None:
         if s.keyword in ("END", "HALT"):
@@ -324,7 +315,7 @@ def _build(r: Reading, faults: _Faults) -> None:
             # Any place apart from the others, to find further faults of its elements.
             r.positions.setdefault(number, [float(number) ** (i + 1) for i in range(kind.size)])
         if number not in r.positions:
-            r.warnings.append((line, f"node {number} has no X and is placed at the origin"))
+            r.warn(line, f"node {number} has no X and is placed at the origin")
         r.builder.node(str(number), r.positions.get(number, [0.0] * kind.size))
     for number, declared in r.elements.items():
         kind, lines = declared.kind, r.lines.get(number, {})
@@ -333,15 +324,14 @@ def _build(r: Reading, faults: _Faults) -> None:
         try:
             _check_rigid(r, declared)
             if kind.sized and "SECTION" not in lines:
-                raise Fault(
-                    f"needs its section in the dynamics block: SECTION {number} width thickness E G rho [alpha]"
-                )
+                form = f"SECTION {number} width thickness E G rho [alpha]"
+                raise Fault(f"needs its section in the dynamics block: {form}")
             element = kind.element_of(declared.order, lines.get("ESTIFF", []))
             properties = kind.properties(lines, declared.vector, declared.numbers)
             if number in r.outlines:
                 properties["section"] = dataclasses.replace(properties["section"], outline=r.outlines[number])
                 if text := outlines.disagreement(properties["section"]):
-                    r.warnings.append((declared.statement, f"element {number}: {text}"))
+                    r.warn(declared.statement, f"element {number}: {text}")
             r.builder.add(element, *_names_of_nodes(r, declared), name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
@@ -412,11 +402,9 @@ def _warn_of_expansion(r: Reading) -> None:
     """Warn of ALPHA at constant temperature."""
     for number, lines in r.lines.items():
         if "ALPHA" in lines and ("TEMP", number) not in r.given and ("DELTEMP", number) not in r.given:
-            text = (
-                f"of element {number} has no effect without a temperature: TEMP {number} value or DELTEMP {number}"
-                " value"
-            )
-            r.warnings.append((r.given["ALPHA", number], text))
+            lines_needed = f"TEMP {number} value or DELTEMP {number} value"
+            text = f"of element {number} has no effect without a temperature: {lines_needed}"
+            r.warn(r.given["ALPHA", number], text)
 
 
 def _warn_of_drawing(r: Reading) -> None:
@@ -425,7 +413,7 @@ def _warn_of_drawing(r: Reading) -> None:
         named = [f"{printable(s.keyword)} (line {s.line})" for s in r.drawn[:SHOWN_LINES]]
         named += [f"{len(r.drawn) - SHOWN_LINES} more"] * (len(r.drawn) > SHOWN_LINES)
         text = f"drawing keywords are stored in settings and have no effect on results: {', '.join(named)}"
-        r.warnings.append((r.drawn[0], text))
+        r.warn(r.drawn[0], text)
 
 
 def _connect_signals(r: Reading, faults: _Faults) -> None:

@@ -49,18 +49,11 @@ def deformations_meant(element: Element, number: int) -> tuple[int, ...]:
 def shortened(element: Element, numbers: list[int]) -> list[int]:
     """Numbers in a file for some deformations in their order, with whole fields under the beam's numbers."""
     short, remaining = [], list(numbers)
-    beam = range(1, closure(element) + 1)
+    fields = {n: deformations_meant(element, n) for n in range(1, closure(element) + 1)}
     while remaining:
-        field_number = next(
-            (
-                n
-                for n in beam
-                if tuple(remaining[: len(deformations_meant(element, n))]) == deformations_meant(element, n)
-            ),
-            None,
-        )
-        short.append(remaining[0] if field_number is None else field_number)
-        remaining = remaining[1 if field_number is None else len(deformations_meant(element, field_number)) :]
+        number = next((n for n, meant in fields.items() if tuple(remaining[: len(meant)]) == meant), remaining[0])
+        short.append(number)
+        del remaining[: len(deformations_meant(element, number))]
     return short
 
 

@@ -206,7 +206,7 @@ class _Writer:
         return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part in parts]
 
     def _kind(self, name: str, member: Member) -> ElementKind:
-        kinds = [kind for kind in KINDS if kind.stands_for(member.element)]
+        kinds = [kind for kind in KINDS if kind.element.usual == member.element.usual]
         label = f"Element '{name}' ({member.element.name})"
         if not kinds:
             known = ", ".join(sorted({f"{k.element.name}" for k in KINDS}))
