@@ -4829,8 +4829,8 @@ FAULTS = [
     Fault("spacar/lines.py", ' if name != "pi"', "", "test_cli.py -k wrong_call"),
     Fault(
         "spacar/read.py",
-        "statements(text, numbers or {})",
         "statements(text, numbers)",
+        "statements(text, numbers or None)",
         "spacar/test_arithmetic.py -k needs_no_numbers",
     ),
     Fault("spacar/read.py", 'if "pi" in numbers:', "if False:", "spacar/test_arithmetic.py -k needs_no_numbers"),

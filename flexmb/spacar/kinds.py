@@ -113,53 +113,32 @@ def leaf_section(sizes: list[float]) -> Rectangle:
 
 _BEAM = ("EA", "GIt", "EIy", "EIz", "shear_z", "shear_y")
 _INERTIA = ("mass", "Jx", "Jy", "Jz", "Jyz")
+_DAMPED = _BEAM[:4]
+_PLANE, _PLANE_INERTIA = ("EA", "EIy"), ("mass", "Jy")
 _TURNS = ("stiffness",) * 3, (), ("damping",) * 3
+_RADII = (("rp", "radius_p"), ("rq", "radius_q"))
+_ENDS, _WARPED = "element xp rotp xq rotq", "element xp rotp warpp xq rotq warpq"
 
 KINDS = (
-    ElementKind("BEAM", spatial.beam, "element xp rotp xq rotq [y1 y2 y3]", _BEAM, _INERTIA, _BEAM[:4]),
-    ElementKind(
-        "BEAMW",
-        spatial.warping_beam,
-        "element xp rotp warpp xq rotq warpq [y1 y2 y3]",
-        (*_BEAM, "EIw"),
-        (*_INERTIA, "Jw"),
-        _BEAM[:4],
-    ),
-    ElementKind(
-        "SBEAM", spatial.spectral_beam(ORDER), "element xp rotp xq rotq y1 y2 y3 [p]", _BEAM, _INERTIA, _BEAM[:4]
-    ),
-    ElementKind("LEAF", spatial.leaf_spring, "element xp rotp xq rotq y1 y2 y3 [p]", damping=_BEAM[:4], sized=True),
+    ElementKind("BEAM", spatial.beam, f"{_ENDS} [y1 y2 y3]", _BEAM, _INERTIA, _DAMPED),
+    ElementKind("BEAMW", spatial.warping_beam, f"{_WARPED} [y1 y2 y3]", (*_BEAM, "EIw"), (*_INERTIA, "Jw"), _DAMPED),
+    ElementKind("SBEAM", spatial.spectral_beam(ORDER), f"{_ENDS} y1 y2 y3 [p]", _BEAM, _INERTIA, _DAMPED),
+    ElementKind("LEAF", spatial.leaf_spring, f"{_ENDS} y1 y2 y3 [p]", damping=_DAMPED, sized=True),
     ElementKind("RBEAM", spatial.rigid_beam, "element xp rotp xq [y1 y2 y3]", mass=("mass",)),
     ElementKind("PINBODY", spatial.rigid_beam, "element xp rotp xq"),
     ElementKind("HINGE", spatial.hinge, "element rotp rotq axis1 axis2 axis3", *_TURNS),
-    ElementKind("SCREW", spatial.screw, "element xp rotp xq rotq x1 x2 x3 pitch", numbers=(("pitch", "pitch"),)),
+    ElementKind("SCREW", spatial.screw, f"{_ENDS} x1 x2 x3 pitch", numbers=(("pitch", "pitch"),)),
     ElementKind("TRUSS", spatial.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
-    ElementKind(
-        "PLBEAM", planar.beam, "element xp rotp xq rotq", ("EA", "EIy", "shear_z"), ("mass", "Jy"), ("EA", "EIy")
-    ),
-    ElementKind(
-        "PLSBEAM",
-        planar.spectral_beam(ORDER),
-        "element xp rotp xq rotq [p]",
-        *(("EA", "EIy", NOTHING), ("mass", "Jy"), ("EA", "EIy")),
-    ),
-    ElementKind("PLLEAF", planar.leaf_spring, "element xp rotp xq rotq [p]", damping=("EA", "EIy"), sized=True),
+    ElementKind("PLBEAM", planar.beam, _ENDS, (*_PLANE, "shear_z"), _PLANE_INERTIA, _PLANE),
+    ElementKind("PLSBEAM", planar.spectral_beam(ORDER), f"{_ENDS} [p]", (*_PLANE, NOTHING), _PLANE_INERTIA, _PLANE),
+    ElementKind("PLLEAF", planar.leaf_spring, f"{_ENDS} [p]", damping=_PLANE, sized=True),
     ElementKind("PLRBEAM", planar.rigid_beam, "element xp rotp xq", mass=("mass",)),
     ElementKind("PLPINBODY", planar.rigid_beam, "element xp rotp xq"),
     ElementKind("PLTRUSS", planar.truss, "element xp xq", ("EA",), ("mass", NOTHING), ("EA",)),
     ElementKind("PLTOR", planar.hinge, "element rotp rotq", ("stiffness",), (), ("damping",)),
     # Our own form: the predecessor's form is not known.
-    ElementKind(
-        "PLBELT",
-        planar.belt,
-        "element xp rotp xq rotq rp rq",
-        ("EA",),
-        damping=("EA",),
-        numbers=(("rp", "radius_p"), ("rq", "radius_q")),
-    ),
-    ElementKind(
-        "PLBELT", planar.belt_to_point, "element xp rotp xq rp", ("EA",), damping=("EA",), numbers=(("rp", "radius_p"),)
-    ),
+    ElementKind("PLBELT", planar.belt, f"{_ENDS} rp rq", ("EA",), (), ("EA",), _RADII),
+    ElementKind("PLBELT", planar.belt_to_point, "element xp rotp xq rp", ("EA",), (), ("EA",), _RADII[:1]),
 )
 FORMS = {kind.keyword: " | ".join(k.form for k in KINDS if k.keyword == kind.keyword) for kind in KINDS}
 """Form of each keyword, alternatives between bars."""

@@ -10,6 +10,7 @@ from ..build.builder import Builder
 from ..build.description import Key, NamedSignal
 from ..elements.nodes import ROTATION3
 from ..errors import printable
+from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS
 from ..model.by_name import TURNS
 from ..model.model import MOTIONS, Labels
 from ..model.roles import Role
@@ -23,11 +24,9 @@ HELD = (Role.FIXED, Role.PRESCRIBED)
 QUANTITIES: dict[tuple[str, str], dict[str, str]] = {
     ("input", "node"): {"INPUTF": "force", **dict(zip(("INX", "INXP", "INXDP"), MOTIONS, strict=True))},
     ("input", "element"): {"INPUTS": "stress", **dict(zip(("INE", "INEP", "INEDP"), MOTIONS, strict=True))},
-    ("output", "node"): {"OUTX": "position", "OUTXP": "velocity", "OUTXDP": "acceleration", "OUTF": "reaction"},
+    ("output", "node"): {**dict(zip(("OUTX", "OUTXP", "OUTXDP"), ORDERS, strict=True)), "OUTF": "reaction"},
     ("output", "element"): {
-        "OUTE": "deformation",
-        "OUTEP": "deformation rate",
-        "OUTEDP": "deformation acceleration",
+        **dict(zip(("OUTE", "OUTEP", "OUTEDP"), DEFORMATION_ORDERS, strict=True)),
         "OUTS": "stress",
     },
 }
@@ -119,12 +118,8 @@ WAYS = ("TRAJX", "TRAJE")
 NOMINAL = ("NOMF", "NOMS")
 # Quantities in the words of Builder.output.
 REFERENCES = {
-    "REFX": "position",
-    "REFXP": "velocity",
-    "REFXDP": "acceleration",
-    "REFE": "deformation",
-    "REFEP": "deformation rate",
-    "REFEDP": "deformation acceleration",
+    **dict(zip(("REFX", "REFXP", "REFXDP"), ORDERS, strict=True)),
+    **dict(zip(("REFE", "REFEP", "REFEDP"), DEFORMATION_ORDERS, strict=True)),
 }
 
 

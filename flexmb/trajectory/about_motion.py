@@ -14,7 +14,7 @@ from ..display import listed, short
 from ..errors import AnalysisError, ModelError, warn
 from ..mechanics.deformation import deformation_jacobian
 from ..mechanics.extent import coordinate_scales, extent_of
-from ..mechanics.signals import combined, terms_of
+from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, combined, terms_of
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -27,10 +27,7 @@ from ..motion.motion import Motion
 from ..results import RESULTS
 
 # Quantities that measure the motion that an input prescribes, for coordinates (False) and deformations (True).
-MEASURES = {
-    False: ("position", "velocity", "acceleration"),
-    True: ("deformation", "deformation rate", "deformation acceleration"),
-}
+MEASURES = {False: tuple(ORDERS), True: tuple(DEFORMATION_ORDERS)}
 # A warning names an input whose parts drift apart by this share of their way, and by this share of the largest way or
 # speed in the mechanism.
 APART, ROUND_OFF = 1e-6, 1e-9
@@ -97,14 +94,12 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
         moving = [i for i in moving if terms[i].index in driven[terms[i].of_element]]
     if not moving:
         return jax.device_put(np.zeros((len(motion.t), len(labels.inputs))))
-    seen = tuple(
-        dataclasses.replace(t, quantity=MEASURES[t.of_element][t.order or 0]) for t in (terms[i] for i in moving)
-    )
+    moving_terms = [terms[i] for i in moving]
+    seen = tuple(dataclasses.replace(t, quantity=MEASURES[t.of_element][t.order or 0]) for t in moving_terms)
     alone = None if weights is None else (weights[0], jnp.ones(len(seen)))
+    parameters, labels_seen = model.parameters, dataclasses.replace(labels, outputs=seen)
     measuring_them = dataclasses.replace(
-        model,
-        labels=dataclasses.replace(labels, outputs=seen),
-        parameters=dataclasses.replace(model.parameters, weights=alone),
+        model, labels=labels_seen, parameters=dataclasses.replace(parameters, weights=alone)
     )
     moved = outputs_of(dataclasses.replace(motion, model=measuring_them))
     every = jnp.asarray(combined(labels.inputs, None if weights is None else weights[0]))
@@ -112,9 +107,8 @@ def inputs_that_move(motion: Motion) -> Float[Array, "n_t n_u"]:
     squares = jnp.sum(jnp.where(moves, every, 0.0) ** 2, axis=1)
     input_motion = moved @ every[:, np.array(moving)].T / jnp.where(squares > 0, squares, 1.0)
     if is_concrete((input_motion, moved, motion.xd)):
-        _warn_of_parts(
-            motion, np.asarray(input_motion), np.asarray(every), dict(zip(moving, np.asarray(moved).T, strict=True))
-        )
+        parts = dict(zip(moving, np.asarray(moved).T, strict=True))
+        _warn_of_parts(motion, np.asarray(input_motion), np.asarray(every), parts)
     return input_motion
 
 
