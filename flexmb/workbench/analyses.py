@@ -149,7 +149,7 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     states = mode_answer.shown.states() if hasattr(mode_answer.shown, "states") else None
     with heard():
         stresses, along = None, mode_answer.found
-        if states is not None and states.along is not None and has_stress(along.model):
+        if states is not None and states.along is not None and along is not None and has_stress(along.model):
             with contextlib.suppress(ModelError, TypeError, ValueError):
                 stresses = stress(along.model, at=along)
         data["view"] = page_data(view(mode_answer.shown, stresses))
