@@ -185,11 +185,9 @@ class _Tuning:
         for want in self.wants:
             i = self.keys.index(want.key)
             if want.missed(float(values[i])) > 0 and not np.any(slopes[i]):
-                present = (
-                    f"It is {answer_text(float(values[i]), want.unit)}, and {listed(self.free)} has no effect on it."
-                )
+                present, free = answer_text(float(values[i]), want.unit), listed(self.free)
                 advice = "Let another dimension vary: write a name instead of a number."
-                raise ValueError(f"{want} cannot be met. {present} {advice}")
+                raise ValueError(f"{want} cannot be met. It is {present}, and {free} has no effect on it. {advice}")
 
     def told(self, stopped: bool = False) -> dict[str, Any]:
         """The result of :func:`meet`."""
