@@ -20,6 +20,7 @@ from ..linear.stress import Stress, stress
 from ..mechanics.loads import has_loads
 from ..model.model import Model
 from ..numerical_limits import FREE_MOTION
+from ..plot.geometry import nodes_of
 from ..questions.mass import mass
 from ..questions.question import ANGLES, components_of, unit_of_question
 from .traced import answer_of, increment_of
@@ -174,10 +175,7 @@ class Answers:
         lin, labels = self.lin, self.model.labels
         assert lin is not None
         moved = np.asarray(lin.x) - np.asarray(self.model.parameters.reference)
-        nodes: dict[str, list[int]] = {}
-        for i, entry in enumerate(labels.x):
-            if entry.kind == "position":
-                nodes.setdefault(entry.of, []).append(i)
+        nodes = nodes_of(self.model)
         sizes = {name: float(np.linalg.norm(moved[entries])) for name, entries in nodes.items()}
         where = max(sizes, key=lambda name: sizes[name])
         text = f"{quantity_text(sizes[where], 'm')} of '{where}'"
