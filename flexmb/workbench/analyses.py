@@ -147,9 +147,10 @@ def _run(mode: Mode, asked: Request) -> dict[str, Any]:
     with PICTURES, heard():
         data["picture"] = _picture(mode_answer, options).decode()
     states = mode_answer.shown.states() if hasattr(mode_answer.shown, "states") else None
+    along: Any = mode_answer.found if states is not None and states.along is not None else None
     with heard():
-        stresses, along = None, mode_answer.found
-        if states is not None and states.along is not None and along is not None and has_stress(along.model):
+        stresses = None
+        if along is not None and has_stress(along.model):
             with contextlib.suppress(ModelError, TypeError, ValueError):
                 stresses = stress(along.model, at=along)
         data["view"] = page_data(view(mode_answer.shown, stresses))
