@@ -73,37 +73,26 @@ def selected(document: Document, ids: Any) -> list[dict[str, Any]]:
 
 
 def cloned(
-    document: Document,
-    chosen: list[dict[str, Any]],
-    changed: Callable[[dict[str, Any]], dict[str, Any]],
-    shared: dict[str, str] | None = None,
+    document: Document, chosen: list[dict[str, Any]], changed: Callable[[dict[str, Any]], dict[str, Any]]
 ) -> tuple[Document, list[str]]:
     """A document with copies of things at its end, which refer to each other like their originals."""
-    known, shared = document.known, shared or {}
+    known = document.known
     used_names = {space: set(names) for space, names in known.by_space.items()}
     used_names["node"] = used_names.get("node", set()) | set(known.made)
     pairs: dict[str, list[tuple[str, str]]] = {}
-    for original, image in shared.items():
-        pairs[original] = [(document.by_id[original]["name"], document.by_id[image]["name"])]
     for item in chosen:
-        call = call_of(item)
-        if item["id"] in shared or call is None:
-            continue
-        names = pairs.setdefault(item["id"], [])
-        if call.makes and item.get("name"):
+        call, names = call_of(item), pairs.setdefault(item["id"], [])
+        if call is not None and call.makes and item.get("name"):
             names.append((item["name"], _next_name(item["name"], used_names.setdefault(call.makes, set()))))
         stage = stage_of(item)
         if stage and known.made.get(stage) == item["id"] and not known.exactly(("node",), stage):
             names.append((stage, _next_name(stage, used_names["node"])))
     follows = following(pairs)
     new = []
-    for item in chosen:
-        if item["id"] in shared:
-            continue
-        id = str(document.data["next"] + len(new))
+    for id, item in enumerate(chosen, document.data["next"]):
         named = {"name": dict(pairs[item["id"]]).get(item["name"], item["name"])} if item.get("name") else {}
         args = with_references(changed(item), known, follows)["args"]
-        new.append({"id": id, "call": item["call"], **named, "args": args})
+        new.append({"id": str(id), "call": item["call"], **named, "args": args})
     return insert(document, new), [item["id"] for item in new]
 
 

@@ -44,9 +44,8 @@ def mirror(document: Document, op: dict[str, Any]) -> tuple[Document, Report]:
         items = [image.of(item) if item["id"] in ids else item for item in document.things]
         first = items[0]["id"] if items else None
         return image.with_sections(document.with_things(items), ids, first), Report([], [], "mirror")
-    chosen = selected(document, op["ids"])
-    shared = {item["id"]: item["id"] for item in chosen if image.is_on_plane(item)}
-    mirrored, ids = cloned(document, chosen, image.of, shared)
+    chosen = [item for item in selected(document, op["ids"]) if not image.is_on_plane(item)]
+    mirrored, ids = cloned(document, chosen, image.of)
     mirrored = image.with_sections(mirrored, set(ids), ids[0] if ids else None)
     new = [item["id"] for item in mirrored.things if item["id"] not in document.by_id]
     return mirrored, Report(new, [], "mirror")
