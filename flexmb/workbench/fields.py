@@ -172,7 +172,7 @@ def _methods() -> list[str]:
 
 def _method_call(name: str) -> Call:
     function, group = getattr(Builder, name), METHODS.get(name, "load")
-    fields = _signature_fields(function, name, ("self",))
+    fields = _signature_fields(function, name)
     makes = "node" if group == "node" else {"sensor": "output", "actuator": "input"}.get(name, name)
     makes = makes if group in ("node", "signal") else None
     return _call(name, "method", function, group, makes, fields, name=name if makes else None)
@@ -180,17 +180,18 @@ def _method_call(name: str) -> Call:
 
 def _block_call(name: str) -> Call:
     function = getattr(blocks, name)
-    fields = _signature_fields(function, name, ("b",))
+    fields = _signature_fields(function, name)
     prefix = inspect.signature(function).parameters["name"].default
     return _call(f"blocks.{name}", "block", function, "block", "block", fields, name=prefix)
 
 
-def _signature_fields(function: Any, call: str, without: tuple[str, ...]) -> list[dict[str, Any]]:
+def _signature_fields(function: Any, call: str) -> list[dict[str, Any]]:
+    """Fields of the parameters after the Builder."""
     hints, docs = typing.get_type_hints(function), _arguments(function)
     fields = []
-    for name, parameter in inspect.signature(function).parameters.items():
+    for name, parameter in list(inspect.signature(function).parameters.items())[1:]:
         # Numbers by name belong to another field.
-        if name in (*without, "name") or parameter.kind is parameter.VAR_KEYWORD:
+        if name == "name" or parameter.kind is parameter.VAR_KEYWORD:
             continue
         # Components may be left out; the Builder raises where it needs some.
         several = parameter.kind is parameter.VAR_POSITIONAL
