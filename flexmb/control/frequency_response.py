@@ -27,10 +27,10 @@ from ..results import RESULTS, collect, or_nan
 from ..statics.equilibrium import Equilibrium
 from ..statics.solver_choice import asked_solver
 from ..statics.stable import is_unstable, unstable_motions
-from .harmonic import response_by_elements, response_by_freedoms
+from .harmonic import forms_with_losses, plain_arrays, response_by_elements, response_by_freedoms
 from .second_order_form import orders_of, second_order
 from .state_space import refuse_idle_inputs
-from .universal_file import Responses, read_responses, write_responses
+from .universal_file import read_responses, write_responses
 
 
 class FrequencyResponse(Labelled, Record):
@@ -115,15 +115,7 @@ class FrequencyResponse(Labelled, Record):
         """
         if Path(path).suffix == ".csv":
             return self._write_columns(path)
-        responses = Responses(
-            np.asarray(self.hertz),
-            np.asarray(self.response),
-            self.outputs,
-            self.inputs,
-            self.output_ports,
-            self.input_ports,
-        )
-        write_responses(responses, path)
+        write_responses(self, path)
 
     def _write_columns(self, path: str | os.PathLike) -> None:
         names, columns = ["hertz"], [np.asarray(self.hertz)]
@@ -153,11 +145,8 @@ class FrequencyResponse(Labelled, Record):
                 input is missing.
             OSError: The file cannot be read.
         """
-        responses = read_responses(path)
-        numbers = jnp.asarray(responses.hertz), jnp.asarray(responses.response)
-        return FrequencyResponse(
-            *numbers, responses.outputs, responses.inputs, responses.output_ports, responses.input_ports
-        )
+        hertz, response, *names_and_ports = read_responses(path)
+        return FrequencyResponse(jnp.asarray(hertz), jnp.asarray(response), *names_and_ports)
 
     def summary(self) -> Summary:
         """Return frequencies and names, and the frequency at which each response is largest."""
@@ -284,7 +273,13 @@ def frequency_response(
             unstable = is_unstable(jax.tree.map(np.asarray, lin.elements), m.symmetric)
         else:
             unstable = m.moving is None and unstable_motions(m.K0 + m.G0, m.K0, m.symmetric).shape[1] > 0
-        _warn_unstable(unstable)
+        if unstable:
+            collect(RESULTS.unstable_state)
+            warn(
+                "The equilibrium is not stable: it has a negative frequency. The response is the transfer function of"
+                " this state. It can be measured only while a controller stabilises the mechanism. Lower the load, or"
+                " use a stable state of fm.path."
+            )
     return answer
 
 
@@ -302,20 +297,28 @@ def response_of(
         refuse_unsymmetric(m.symmetric)
         if not rests:
             raise NotImplementedError('About a state of motion there are no real modes. Leave out method="modes".')
-    orders, _ = orders_of(lin.model.signals()[0])
-    if lin.large:
-        _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
-        losses = None if losses is None else loss_factors(lin, losses)
-        responses = jax.device_put(response_by_elements(lin, hertz, us, ys, losses))
-    else:
+    form = None
+    if not lin.large:
         form = second_order(lin)
         refuse_negative_mass(lin)
         known = undifferentiated((lin, form))
         if is_concrete(known):
             refuse_idle_inputs(*known)
-        _check_rest(hertz, [labels.inputs[j].name for j in us if orders[j]])
-        losses = None if losses is None else loss_factors(lin, losses)
-        responses, result = response_by_freedoms(lin, form, hertz, us, ys, losses, method != "direct" and rests)
+    orders, _ = orders_of(lin.model.signals()[0])
+    rates = [labels.inputs[j].name for j in us if orders[j]]
+    if rates and is_concrete(hertz) and np.any(np.asarray(hertz) == 0):
+        raise ValueError(
+            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a constant velocity or acceleration."
+            " Leave that frequency out."
+        )
+    losses = None if losses is None else loss_factors(lin, losses)
+    if form is None:
+        responses = jax.device_put(response_by_elements(lin, hertz, us, ys, losses))
+    else:
+        form, orders = plain_arrays(form)
+        lossy = None if losses is None else forms_with_losses(lin, losses)
+        by_modes = method != "direct" and rests
+        responses, result = response_by_freedoms(form, lossy, hertz, us=us, ys=ys, orders=orders, by_modes=by_modes)
         check_spectrum(result, True, lin)
         responses = or_nan(responses, result)
     outputs, inputs = [labels.outputs[i] for i in ys], [labels.inputs[j] for j in us]
@@ -327,15 +330,6 @@ def response_of(
         tuple(signal.port(labels) for signal in outputs),
         tuple(signal.port(labels) for signal in inputs),
     )
-
-
-def _check_rest(hertz: Any, rates: list[str]) -> None:
-    """Refuse 0 Hz for an input that is a rate: the motion would be unbounded."""
-    if rates and is_concrete(hertz) and np.any(np.asarray(hertz) == 0):
-        raise ValueError(
-            f"Argument `hertz`: at 0 Hz there is no response to '{rates[0]}', a constant velocity or acceleration."
-            " Leave that frequency out."
-        )
 
 
 def _warn_infinite(result: FrequencyResponse) -> None:
@@ -350,15 +344,4 @@ def _warn_infinite(result: FrequencyResponse) -> None:
         warn(
             f"The response of '{result.outputs[i]}' to '{result.inputs[j]}' is infinite at {hertz:.6g} Hz, an undamped"
             f" resonance. {remedy}"
-        )
-
-
-def _warn_unstable(unstable: bool) -> None:
-    """Warn of a response about an unstable equilibrium."""
-    if unstable:
-        collect(RESULTS.unstable_state)
-        warn(
-            "The equilibrium is not stable: it has a negative frequency. The response is the transfer function of this"
-            " state. It can be measured only while a controller stabilises the mechanism. Lower the load, or use a"
-            " stable state of fm.path."
         )

@@ -37,31 +37,8 @@ def plain_arrays(whole: SecondOrder) -> tuple[SecondOrder, tuple[int, ...]]:
     return whole._replace(orders=none, moves=none), tuple(int(order) for order in whole.orders)
 
 
-def _selected(form: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> SecondOrder:
-    """The form of some inputs and outputs."""
-    u, y = np.array(us), np.array(ys)
-    parts = {f"B{i}": getattr(form, f"B{i}")[:, u] for i in range(3)}
-    parts |= {f"C{i}": getattr(form, f"C{i}")[y] for i in range(3)}
-    return form._replace(**parts, **{f"D{i}": getattr(form, f"D{i}")[y[:, None], u] for i in range(3)})
-
-
-def response_by_freedoms(
-    lin: Linearization,
-    whole: SecondOrder,
-    hertz: Float[Array, "n_f"],
-    us: tuple[int, ...],
-    ys: tuple[int, ...],
-    losses: Any,
-    by_modes: bool,
-):
-    """H(i 2 pi f) of a mechanism in second-order form, (n_f, n_y, n_u), and a code of RESULTS."""
-    whole, orders = plain_arrays(whole)
-    lossy = None if losses is None else _with_losses(lin, losses)
-    return _response(whole, lossy, hertz, us=us, ys=ys, orders=orders, by_modes=by_modes)
-
-
 @jit
-def _response(
+def response_by_freedoms(
     system: SecondOrder,
     lossy: tuple[SecondOrder, SecondOrder] | None,
     hertz: Float[Array, "n_f"],
@@ -71,16 +48,18 @@ def _response(
     orders: tuple[int, ...],
     by_modes: bool,
 ):
-    """H(i 2 pi f), (n_f, n_y, n_u), and a code of RESULTS."""
+    """H(i 2 pi f) of inputs ``us`` and outputs ``ys``, (n_f, n_y, n_u), and a code of RESULTS.
+
+    ``system`` and ``orders`` are from :func:`plain_arrays`, ``lossy`` from :func:`forms_with_losses`.
+    """
     w = 2 * np.pi * hertz
-    system = _selected(system, us, ys)
-    loss, of_loss = jnp.zeros_like(system.K), None
+    loss, polynomials = jnp.zeros_like(system.K), _polynomials(system, us, ys)
     if lossy is not None:
         # Geometric stiffness and inertia do not depend on the elements' stiffness; the difference is linear in it.
-        with_it, without = (_selected(form, us, ys) for form in lossy)
-        of_loss = jax.tree.map(lambda a, b: a - b, with_it, without)
-        loss = of_loss.K
-    by_inputs, by_outputs, through = _polynomials(system, of_loss)
+        of_loss = jax.tree.map(lambda a, b: a - b, *lossy)
+        loss, lost = of_loss.K, _polynomials(of_loss, us, ys)
+        polynomials = [part.at[0].add(1j * by_loss[0]) for part, by_loss in zip(polynomials, lost, strict=True)]
+    by_inputs, by_outputs, through = polynomials
     parts = (system.M, system.C, system.K, loss)
     factors, definite = _modal_factors(*parts) if by_modes else (None, jnp.array(True))
     responses = _transfer(factors, w, parts, by_inputs, by_outputs) + _at(w, through)
@@ -101,7 +80,7 @@ def _integrated(responses: Complex[Array, "n_f n_y n_u"], w: Float[Array, "n_f"]
     return responses
 
 
-def _with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:
+def forms_with_losses(lin: Linearization, losses: Float[Array, "n_e"]) -> tuple[SecondOrder, SecondOrder]:
     """Second-order forms with lossy stiffness and without; i times their difference is the loss."""
     m = lin.matrices
     lossy, k = _lossy(m, losses)
@@ -120,15 +99,11 @@ def _lossy(m: Matrices, losses: Float[Array, "n_e"]):
     return lossy, m.DFe.T @ lossy @ m.DFe
 
 
-def _polynomials(system: SecondOrder, lossy: SecondOrder | None) -> list[Complex[Array, "3 i j"]]:
-    """B, C and D by powers of i w, from the lowest."""
-    polynomials = []
-    for name in "BCD":
-        matrices = jnp.stack([getattr(system, f"{name}{i}") for i in range(3)]).astype(complex)
-        if lossy is not None:
-            matrices = matrices.at[0].add(1j * getattr(lossy, f"{name}0").astype(complex))
-        polynomials.append(matrices)
-    return polynomials
+def _polynomials(form: SecondOrder, us: tuple[int, ...], ys: tuple[int, ...]) -> list[Complex[Array, "3 i j"]]:
+    """B, C and D of some inputs and outputs by powers of i w, from the lowest."""
+    u, y = np.array(us), np.array(ys)
+    b, c, d = (jnp.stack(form[first : first + 3]).astype(complex) for first in (3, 6, 9))
+    return [b[:, :, u], c[:, y], d[:, y[:, None], u]]
 
 
 def _powers(w: Float[Array, "*n_f"], count: int = 3) -> Complex[Array, "count *n_f"]:
@@ -281,31 +256,24 @@ def _solved_by_frequency(
 
 @_transfer.defjvp
 def _transfer_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
-    """d(C Z^-1 B) = dC X + Y dB - Y dZ X with X = Z^-1 B and Y = C Z^-1: no mode is differentiated."""
+    """(14.32): with constant X = Z^-1 B and Y = C Z^-1, C X + Y (B - Z X) has the derivative of C Z^-1 B.
+
+    No mode is differentiated.
+    """
     factors, w, parts, by_inputs, by_outputs = primals
-    _, dw, (dm, dc, dk, dloss), d_inputs, d_outputs = tangents
     n = parts[0].shape[0]
     every = (jnp.broadcast_to(jnp.eye(n, dtype=complex), (len(w), n, n)),)
-    right, left = (_expanded(w, polynomial) for polynomial in (by_inputs, by_outputs))
-    moved = _transfer(factors, w, parts, (right,), every)
-    adjoint = _transfer(factors, w, parts, every, (left,))
-    responses = left @ moved
-    unity, s, s2 = (power[:, None, None] for power in _powers(w))
-    of_z = sum(
-        change.astype(complex) @ (power * moved) for change, power in ((dm, s2), (dc, s), (dk, unity), (dloss, 1j))
-    )
-    m, c = (part.astype(complex) for part in parts[:2])
-    turned = (1j * dw.astype(complex))[:, None, None]
-    of_z = of_z + turned * ((2 * s * m + c) @ moved)
-    change = -adjoint @ of_z
+    moved = _transfer(factors, w, parts, (_expanded(w, by_inputs),), every)
+    adjoint = _transfer(factors, w, parts, every, (_expanded(w, by_outputs),))
 
-    def moves(polynomial: Complex[Array, "3 i j"] | tuple[Array], d_polynomial: Any):
-        if isinstance(polynomial, tuple):
-            return d_polynomial[0]
-        return _at(w, d_polynomial) + turned * (polynomial[1] + 2 * s * polynomial[2])
+    def balance(w: Any, parts: tuple[Array, ...], by_inputs: Any, by_outputs: Any):
+        m, c, k, loss = (part.astype(complex) for part in parts)
+        unity, s, s2 = (power[:, None, None] * moved for power in _powers(w))
+        elastic = k @ unity + c @ s + m @ s2 + 1j * (loss @ moved)
+        return _expanded(w, by_outputs) @ moved + adjoint @ (_expanded(w, by_inputs) - elastic)
 
-    change = change + moves(by_outputs, d_outputs) @ moved + adjoint @ moves(by_inputs, d_inputs)
-    return responses, change
+    _, change = jax.jvp(balance, primals[1:], tangents[1:])
+    return _expanded(w, by_outputs) @ moved, change
 
 
 def response_by_elements(

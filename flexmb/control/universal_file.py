@@ -3,7 +3,7 @@
 import os
 import warnings
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -27,20 +27,9 @@ SI = {
 }  # fmt: skip
 
 
-class Responses(NamedTuple):
-    """Frequency responses as a file holds them: the fields of :class:`FrequencyResponse`."""
-
-    hertz: np.ndarray
-    response: np.ndarray
-    outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
-    output_ports: tuple[Port, ...]
-    input_ports: tuple[Port, ...]
-
-
-def write_responses(response: Responses, path: str | os.PathLike) -> None:
-    """Write every response; see :meth:`FrequencyResponse.save`."""
-    target, hertz, values = Path(path), response.hertz, response.response
+def write_responses(response: Any, path: str | os.PathLike) -> None:
+    """Write every response of a FrequencyResponse; see :meth:`FrequencyResponse.save`."""
+    target, hertz, values = Path(path), np.asarray(response.hertz), np.asarray(response.response)
     if target.suffix not in ENDINGS:
         raise ValueError(
             f"A file of responses ends in {', '.join(ENDINGS)} or .csv, not '{printable(target.name)}'. For other"
@@ -77,8 +66,8 @@ def write_responses(response: Responses, path: str | os.PathLike) -> None:
     pyuff.UFF(os.fspath(target)).write_sets(sets, "overwrite")
 
 
-def read_responses(path: str | os.PathLike) -> Responses:
-    """Read all frequency responses of a file; see :meth:`FrequencyResponse.load`."""
+def read_responses(path: str | os.PathLike) -> tuple[Any, ...]:
+    """Read all frequency responses of a file: the fields of a FrequencyResponse; see :meth:`FrequencyResponse.load`."""
     pyuff = for_files("pyuff")
     if not Path(path).is_file():
         raise FileNotFoundError(f"There is no file '{printable(path)}'.")
@@ -119,7 +108,7 @@ def read_responses(path: str | os.PathLike) -> Responses:
         missing = next((y, u) for y in outputs for u in inputs if (y, u) not in responses)
         raise ValueError(f"'{printable(path)}' lacks the response of '{missing[0]}' to '{missing[1]}'.")
     response = np.stack([np.stack([responses[y, u] for u in inputs], axis=-1) for y in outputs], axis=1)
-    return Responses(hertz, response, tuple(outputs), tuple(inputs), tuple(outputs.values()), tuple(inputs.values()))
+    return hertz, response, tuple(outputs), tuple(inputs), tuple(outputs.values()), tuple(inputs.values())
 
 
 def _to_si(path: Any, data_set: dict[str, Any], units: dict[str, Any]) -> float | None:
