@@ -48,18 +48,15 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     mass, damping, stiffness = (basis.T @ matrix @ basis for matrix in system[:3])
     b = jnp.stack([basis.T @ matrix for matrix in system[3:6]])
     c = jnp.stack([matrix @ basis for matrix in system[6:9]])
-    d = jnp.stack([system.D0, system.D1, system.D2])
+    d = jnp.stack(system[9:12])
     # Smaller effects on motions without mass are round-off: the squares of all effects add up to the flexibility at
     # rest.
     b = jnp.where(massive[:, None] | (jnp.abs(b) > NEGLIGIBLE_TERM * jnp.linalg.norm(b, axis=1, keepdims=True)), b, 0.0)
     c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE_TERM * jnp.linalg.norm(c, axis=2, keepdims=True)), c, 0.0)
     if any(orders):
-        size, terms = jnp.abs(basis), [jnp.abs(matrix) for matrix in system[:9]]
-        sizes = (
-            jnp.stack([size.T @ matrix @ size for matrix in terms[2::-1]]),
-            jnp.stack([size.T @ matrix for matrix in terms[3:6]]),
-            jnp.stack([matrix @ size for matrix in terms[6:9]]),
-        )
+        size = jnp.abs(basis)
+        parts, by_p, by_q = (jnp.abs(jnp.stack(some)) for some in (system[2::-1], system[3:6], system[6:9]))
+        sizes = size.T @ parts @ size, size.T @ by_p, by_q @ size
         b, d, adrift, noted = _beyond_rest_motion(b, c, d, (stiffness, damping, mass), orders, sizes)
     else:
         adrift, noted = jnp.zeros(d.shape[1:], bool), jnp.sum(jnp.abs(d), axis=0)
@@ -163,6 +160,11 @@ class Controller(NamedTuple):
     matrices: tuple[Any, Any, Any, Any] | None
     by_frequency: Callable[[Any], Any]
 
+    @property
+    def places(self) -> Places:
+        """Numbers of the outputs that it reads, and of the inputs that it drives."""
+        return self.measured, self.driven
+
 
 def feedback_controller(
     given: Any, measured: Any, driven: Any, outputs: Sequence[str], inputs: Sequence[str], sign: float
@@ -180,9 +182,8 @@ def feedback_controller(
         side = "output" if kind == "measured" else "input"
         if names is None:
             known = {name.replace(".", " ") for name in all_of}
-            names = (
-                own_names if own_names and all(name.replace(".", " ") in known for name in own_names) else list(all_of)
-            )
+            has_names = own_names and all(name.replace(".", " ") in known for name in own_names)
+            names = own_names if has_names else list(all_of)
         names = [names] if isinstance(names, str) else list(names)
         if count is not None and len(names) != count:
             raise ValueError(
@@ -223,19 +224,14 @@ def _controller_parts(controller: Any) -> tuple[Any, Any, Any, Any]:
         labels = list(controller.input_labels), list(controller.output_labels)
         shape = controller.noutputs, controller.ninputs
         if isinstance(controller, control.FrequencyResponseData):
-            return (
-                shape,
-                labels,
-                None,
-                lambda hertz: np.moveaxis(np.asarray(controller(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0),
-            )
+
+            def respond(hertz: Any):
+                return np.moveaxis(np.asarray(controller(2j * np.pi * np.asarray(hertz), squeeze=False)), -1, 0)
+
+            return shape, labels, None, respond
         system: Any = control.ss(controller)
-        return (
-            shape,
-            labels,
-            tuple(as_reals("The controller", part) for part in (system.A, system.B, system.C, system.D)),
-            None,
-        )
+        parts = tuple(as_reals("The controller", part) for part in (system.A, system.B, system.C, system.D))
+        return shape, labels, parts, None
     if callable(controller):
         return None, None, None, controller
     if isinstance(controller, tuple) and len(controller) == 4:
@@ -288,23 +284,13 @@ def closed(
     around = jnp.eye(len(ds)) - dk @ dd[ms]
     by_z, by_x, by_w = (jnp.linalg.solve(around, part) for part in (dk @ c[ms], ck, dk @ read))
     seen = dd[ms]
-    system_matrix = jnp.concatenate(
-        [
-            jnp.concatenate([a + bd @ by_z, bd @ by_x], axis=1),
-            jnp.concatenate([bk @ (c[ms] + seen @ by_z), ak + bk @ seen @ by_x], axis=1),
-        ]
-    )
+    system_matrix = jnp.block([[a + bd @ by_z, bd @ by_x], [bk @ (c[ms] + seen @ by_z), ak + bk @ seen @ by_x]])
     enters = jnp.concatenate([bw + bd @ by_w, bk @ (read + seen @ by_w)])
     leaves = jnp.concatenate([c + dd @ by_z, dd @ by_x], axis=1)
     # If a sensor's signal is not known, neither is the loop.
     lost = rough[:, w] | jnp.any(rough[ms][:, w], axis=0) | jnp.any(rough[ms][:, ds])
-    return EnergyForm(
-        system_matrix,
-        enters,
-        leaves,
-        dw + dd @ by_w,
-        jnp.concatenate([lost, jnp.zeros((len(c), len(sensed)), bool)], axis=1),
-    )
+    lost = jnp.concatenate([lost, jnp.zeros((len(c), len(sensed)), bool)], axis=1)
+    return EnergyForm(system_matrix, enters, leaves, dw + dd @ by_w, lost)
 
 
 def closed_by_frequency(

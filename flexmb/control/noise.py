@@ -220,7 +220,7 @@ def noise_budget(
         None if loop is None else loop.by_frequency(over.hertz),
         densities,
         over,
-        places=_places(loop),
+        places=loop and loop.places,
         entries=entering.entries,
         wanted=chosen_outputs,
     )
@@ -268,11 +268,6 @@ def _sources(sources: Any, inputs: list[str], outputs: list[str], loop: Controll
         raise ValueError("Argument `sources` names one source twice.")
     entries = tuple(at_inputs), tuple(of_sensors)
     return _Entering(entries, tuple(names), (*at_inputs.values(), *of_sensors.values()))
-
-
-def _places(loop: Controller | None) -> Places | None:
-    """Numbers of the outputs that a controller reads, and of the inputs that it drives."""
-    return None if loop is None else (loop.measured, loop.driven)
 
 
 def _check_white(entering: _Entering, lin: Linearization, loop: Controller | None) -> None:
@@ -323,7 +318,7 @@ def _frequencies(
         None if loop is None else loop.matrices,
         None if band is None else _asked_by_densities(entering, band),
         orders=orders,
-        places=_places(loop) if by_states else None,
+        places=loop.places if loop is not None and by_states else None,
         entries=entries if by_states else (entries[0], ()),
         band=band,
         exact=exact,
@@ -341,8 +336,12 @@ def _frequencies(
     if not exact:
         undamped = undamped_within(poles, grid)
         settles = settles & ~jnp.any(undamped)
-        if is_concrete((undamped, poles)):
-            _refuse_undamped(np.asarray(poles)[np.asarray(undamped)])
+        if is_concrete((undamped, poles)) and len(resonant := np.asarray(poles)[np.asarray(undamped)]):
+            raise AnalysisError(
+                "unstable",
+                f"A resonance within the band, at {abs(resonant[0]) / (2 * np.pi):.4g} Hz, has no damping. Its noise is"
+                " unbounded. Damp it, such as by fm.damped(model, ratio=0.01), or give a band without it.",
+            )
     return _Frequencies(grid, steps, settles, noise_system if exact else None, poles)
 
 
@@ -390,16 +389,6 @@ def _refuse_unstable(poles: Any, settles: bool, closed: bool) -> None:
     )
 
 
-def _refuse_undamped(poles: Any) -> None:
-    """Raise unstable for undamped resonances within the frequencies."""
-    if len(poles):
-        raise AnalysisError(
-            "unstable",
-            f"A resonance within the band, at {abs(poles[0]) / (2 * np.pi):.4g} Hz, has no damping. Its noise is"
-            " unbounded. Damp it, such as by fm.damped(model, ratio=0.01), or give a band without it.",
-        )
-
-
 def _warn_unresolved(
     lin: Linearization,
     over: _Frequencies,
@@ -412,16 +401,16 @@ def _warn_unresolved(
     if not is_concrete((lin, over, noise, loop and loop.matrices, entering.densities)):
         return
     grid = np.asarray(over.hertz, float)
-    sharp = unresolved_resonances(np.asarray(over.poles), grid)
-    if not len(sharp.hertz):
+    peak_hertz, widths, area, excess = unresolved_resonances(np.asarray(over.poles), grid)
+    if not len(peak_hertz):
         return
     densities = []
     for name, specified in zip(entering.names, entering.densities, strict=True):
-        density = np.interp(sharp.hertz, grid, specified) if np.ndim(specified) else specified
-        densities.append(np.broadcast_to(_density(name, density, sharp.hertz), sharp.hertz.shape))
-    responses = responses_at(lin, loop, entering.entries, sharp.hertz)[:, list(wanted)]
+        density = np.interp(peak_hertz, grid, specified) if np.ndim(specified) else specified
+        densities.append(np.broadcast_to(_density(name, density, peak_hertz), peak_hertz.shape))
+    responses = responses_at(lin, loop, entering.entries, peak_hertz)[:, list(wanted)]
     peaks = np.abs(responses) ** 2 * np.stack(densities, axis=1)[:, None]
-    excess, area = (part[:, None, None] for part in (sharp.excess, sharp.area))
+    excess, area = excess[:, None, None], area[:, None, None]
     variances = np.asarray(noise.variances)
     least = np.max(peaks * area, axis=0)
     true = np.maximum(variances - np.sum(peaks * excess, axis=0), least)
@@ -429,10 +418,10 @@ def _warn_unresolved(
     if not np.max(shares) > UNRESOLVED_SHARE:
         return
     k, i, j = np.unravel_index(np.argmax(shares), shares.shape)
-    f, off = sharp.hertz[k], abs(np.sqrt(variances[i, j] / true[i, j]) - 1)
+    f, off = peak_hertz[k], abs(np.sqrt(variances[i, j] / true[i, j]) - 1)
     warn(
         f"The frequencies `hertz` do not resolve the resonance at {f:.5g} Hz, whose half-power width is"
-        f" {sharp.width[k]:.2g} Hz: the root mean square of '{noise.outputs[i]}' by '{noise.sources[j]}' is off by some"
+        f" {widths[k]:.2g} Hz: the root mean square of '{noise.outputs[i]}' by '{noise.sources[j]}' is off by some"
         f" {100 * off:.2g} %. Use band=({grid[0]:.5g}, {grid[-1]:.5g}), for which flexmb chooses the frequencies, or"
         " give three frequencies or more within this width."
     )

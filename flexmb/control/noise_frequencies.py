@@ -1,7 +1,7 @@
 """Frequencies at which noise is summed: chosen by poles and densities, or by the responses of a loop."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -44,26 +44,13 @@ def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bo
     return vibrates & (hertz >= grid[0]) & (hertz <= grid[-1])
 
 
-class Unresolved(NamedTuple):
-    """Resonances that given frequencies do not resolve.
-
-    Attributes:
-        hertz: Frequencies of their peaks, (n,) [Hz].
-        width: Distances between their frequencies of half power, (n,) [Hz].
-        area: Areas below peaks of height one between the first and the last given frequency, (n,) [Hz].
-        excess: Areas by the trapezoidal rule at the given frequencies minus ``area``, (n,) [Hz].
-    """
-
-    hertz: np.ndarray
-    width: np.ndarray
-    area: np.ndarray
-    excess: np.ndarray
-
-
-def unresolved_resonances(poles: np.ndarray, grid: np.ndarray) -> Unresolved:
+def unresolved_resonances(poles: np.ndarray, grid: np.ndarray) -> Float[np.ndarray, "4 n"]:
     """Resonances whose peak 1/(1 + x^2), x from the frequency over half the width, the trapezoidal rule sums wrongly.
 
     The sum over a uniform grid is wrong by 2 exp(-pi n) for n frequencies within the width (Poisson's formula).
+
+    Returns frequencies of the peaks, distances between their frequencies of half power, areas below peaks of height one
+    between the first and the last frequency, and areas by the trapezoidal rule minus these, (n,) [Hz] each.
     """
     place, half = np.imag(poles) / (2 * np.pi), np.abs(np.real(poles)) / (2 * np.pi)
     rows = []
@@ -75,7 +62,7 @@ def unresolved_resonances(poles: np.ndarray, grid: np.ndarray) -> Unresolved:
         excess = np.trapezoid(1 / (1 + x**2), grid) - area
         if abs(excess) > UNRESOLVED_SHARE / 2 * np.pi * h:
             rows.append((f, 2 * h, area, excess))
-    return Unresolved(*np.array(rows).reshape(-1, 4).T)
+    return np.array(rows).reshape(-1, 4).T
 
 
 def responses_at(lin: Any, loop: Controller | None, entries: tuple[tuple[int, ...], ...], hertz: np.ndarray) -> Any:
@@ -83,7 +70,7 @@ def responses_at(lin: Any, loop: Controller | None, entries: tuple[tuple[int, ..
 
     def responses(hertz: Any):
         plant = response_of(lin, hertz, None, None, None, None).response
-        gain, places = (None, None) if loop is None else (loop.by_frequency(hertz), (loop.measured, loop.driven))
+        gain, places = (None, None) if loop is None else (loop.by_frequency(hertz), loop.places)
         return np.asarray(closed_by_frequency(plant, gain, places, *entries))
 
     return _in_blocks(responses, hertz)
@@ -109,12 +96,11 @@ def refined_frequencies(lin: Any, loop: Controller, entries: tuple[tuple[int, ..
     known_gain(np.ones(1))
     grid = np.asarray(grid)
 
-    def responses(hertz: Any):
-        plant = response_of(lin, hertz, None, None, None, None).response
-        closed = closed_by_frequency(plant, known_gain(hertz), (loop.measured, loop.driven), *entries)
-        return np.asarray(closed).reshape(len(hertz), -1)
+    def responses(hertz: np.ndarray):
+        known_loop = loop._replace(by_frequency=known_gain)
+        return responses_at(lin, known_loop, entries, hertz).reshape(len(hertz), -1)
 
-    known = _in_blocks(responses, grid)
+    known = responses(grid)
     while True:
         # Across a resonance halfway between two frequencies sizes are equal, but phases are not.
         size = np.abs(known)
@@ -125,7 +111,7 @@ def refined_frequencies(lin: Any, loop: Controller, entries: tuple[tuple[int, ..
         if not len(coarse) or len(grid) >= MOST:
             break
         more = np.sqrt(grid[coarse] * grid[coarse + 1])
-        known = np.insert(known, coarse + 1, _in_blocks(responses, more), axis=0)
+        known = np.insert(known, coarse + 1, responses(more), axis=0)
         grid = np.insert(grid, coarse + 1, more)
     if np.any(sharp):
         warn(
