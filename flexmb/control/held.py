@@ -53,11 +53,8 @@ def constrained_of(signal: Signal) -> ConstrainedCoordinate:
 
 def moved_by(causes: tuple[Signal, ...], held: tuple[ConstrainedCoordinate, ...]) -> np.ndarray:
     """Which held coordinate each input moves, (held, inputs)."""
-    motions = np.zeros((len(held), len(causes)))
-    for j, s in enumerate(causes):
-        if s.order is not None:
-            motions[held.index(constrained_of(s)), j] = 1.0
-    return motions
+    rows = [[s.order is not None and constrained_of(s) == coordinate for s in causes] for coordinate in held]
+    return np.array(rows, float).reshape(len(held), len(causes))
 
 
 def with_constrained(
@@ -68,8 +65,6 @@ def with_constrained(
     The degrees of freedom stay constant when held coordinates move. The force on held coordinates is M0 qdd + (C0 + D0)
     qd + K q along them; for a deformation it is minus its stress resultant (THEORY.md 14, eq. (14.2) and (14.3)).
     """
-    if not held:
-        return m
     last_strain = jax.lax.stop_gradient(m.e)
     n, x = m.M0.shape[0], m.x
     _, jacobian = deformation_jacobian(topology, parameters, x, last_strain)
@@ -84,7 +79,9 @@ def with_constrained(
     independent = topology.e.given
     deformed = put(jacobian @ moved, independent, seed_e[independent])
     z, dfe = jnp.concatenate([m.DFx, moved], axis=1), jnp.concatenate([m.DFe, deformed], axis=1)
-    loads = load_stiffness(topology, without_gravity(parameters, increment=True), _factors(m), x)
+    if m.factors is None:
+        raise ValueError("These matrices do not include the factors of their loads. Use fm.linearize(model).")
+    loads = load_stiffness(topology, without_gravity(parameters, increment=True), m.factors, x)
     if m.felt.gravity is not None:
         loads = loads + weight_stiffness(topology, parameters, x, m.felt.gravity)
     if m.turning is not None:
@@ -161,12 +158,6 @@ def _exact(matrix: Float[Array, "w w"]) -> Float[Array, "w w"]:
     size = jnp.sqrt(jnp.abs(jnp.diag(known)))
     small = jnp.abs(known) <= ENTRY_ROUND_OFF * size[:, None] * size
     return jnp.where(small, matrix - known, matrix)
-
-
-def _factors(m: Matrices) -> Any:
-    if m.factors is None:
-        raise ValueError("These matrices do not include the factors of their loads. Use fm.linearize(model).")
-    return m.factors
 
 
 def about_axes(m: Any, held: tuple[ConstrainedCoordinate, ...], n: int) -> Float[Array, "w w"]:

@@ -116,6 +116,20 @@ class LargeSecondOrder(NamedTuple):
         return LargeSecondOrder(self.elements, self.B[:, :, u], self.C[:, y], d, self.orders[u], self.moves[u])
 
 
+class _Signals(NamedTuple):
+    """Inputs and outputs without names, and the held coordinates that they move or measure."""
+
+    inputs: tuple[Signal, ...]
+    outputs: tuple[Signal, ...]
+    held: tuple[ConstrainedCoordinate, ...]
+
+    @classmethod
+    def of(cls, lin: Linearization) -> "_Signals":
+        """The signals of a linearised mechanism."""
+        inputs, outputs = (tuple(s.without_name() for s in some) for some in lin.model.signals())
+        return cls(inputs, outputs, constrained_by((*terms_of(inputs), *terms_of(outputs))))
+
+
 class _Around(NamedTuple):
     """Stiffness, damping and mass around held coordinates, and effects of inputs that are forces.
 
@@ -148,18 +162,15 @@ def second_order(lin: Linearization) -> SecondOrder:
             free, and their stiffness includes constraint forces. Columns of moved coordinates go to the right-hand
             side.
     """
-    model, m = lin.model, lin.matrices
-    inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
-    held = constrained_by((*terms_of(inputs), *terms_of(outputs)))
-    extended = _with_constrained(model.topology, model.parameters, m, held=held, times=m.M0.ndim > 2) if held else m
+    model, m, signals = lin.model, lin.matrices, _Signals.of(lin)
+    extended = _with_constrained(model.topology, model.parameters, m, held=signals.held) if signals.held else m
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
         # On the host: compilation of sizes that occur once takes longer than computing.
-        m, extended, weights = jax.tree.map(np.asarray, (m, extended, weights))
-        parts = _about_state(m, extended, weights, inputs, outputs, held, np)
+        parts = _about_state(*jax.tree.map(np.asarray, (m, extended, weights)), signals, np)
     else:
-        parts = _second_order(m, extended, weights, inputs=inputs, outputs=outputs, held=held)
-    orders, moves = orders_of(inputs)
+        parts = _second_order(m, extended, weights, signals=signals)
+    orders, moves = orders_of(signals.inputs)
     return SecondOrder(*parts, orders=orders, moves=moves)
 
 
@@ -171,44 +182,28 @@ def orders_of(inputs: tuple[Signal, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 @kernel
 def _with_constrained(
-    topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[ConstrainedCoordinate, ...], times: bool
+    topology: Topology, parameters: Parameters, m: Matrices, *, held: tuple[ConstrainedCoordinate, ...]
 ):
     def in_state(m: Matrices):
         return with_constrained(topology, parameters, m, held)
 
-    return jax.vmap(in_state)(m) if times else in_state(m)
+    return jax.vmap(in_state)(m) if m.M0.ndim > 2 else in_state(m)
 
 
 @jit
-def _second_order(
-    m: Matrices,
-    whole: Matrices,
-    weights: Any,
-    *,
-    inputs: tuple[Signal, ...],
-    outputs: tuple[Signal, ...],
-    held: tuple[ConstrainedCoordinate, ...],
-) -> Any:
+def _second_order(m: Matrices, whole: Matrices, weights: Any, *, signals: _Signals) -> Any:
     def in_state(m: Matrices, whole: Matrices):
-        return _about_state(m, whole, weights, inputs, outputs, held, jnp)
+        return _about_state(m, whole, weights, signals, jnp)
 
     return jax.vmap(in_state)(m, whole) if m.M0.ndim > 2 else in_state(m, whole)
 
 
-def _about_state(
-    m: Matrices,
-    extended: Matrices,
-    weights: Any,
-    inputs: tuple[Signal, ...],
-    outputs: tuple[Signal, ...],
-    held: tuple[ConstrainedCoordinate, ...],
-    xp: Any,
-) -> tuple[Any, ...]:
+def _about_state(m: Matrices, extended: Matrices, weights: Any, signals: _Signals, xp: Any) -> tuple[Any, ...]:
     """The twelve matrices of one state, by NumPy or by jax.numpy; in ``extended`` held coordinates are last."""
-    n, causes = m.M0.shape[0], terms_of(inputs)
+    n, causes = m.M0.shape[0], terms_of(signals.inputs)
     parts = (extended.K, extended.C0 + extended.D0, extended.M0)
     columns = [input_row(s, extended.x, extended.DFx, extended.DFe) if s.order is None else None for s in causes]
-    forces = _stacked(columns, n + len(held), xp).T
+    forces = _stacked(columns, n + len(signals.held), xp).T
     around = _Around(
         [part[:n, n:] for part in parts],
         [part[n:, :n] for part in parts],
@@ -221,19 +216,12 @@ def _about_state(
         rows = _output_rows(s, extended)
         return [[None if row is None else row[part] for row in rows] for part in (slice(n), slice(n, None))]
 
-    by_p, by_q, through = _assembled(inputs, outputs, weights, held, around, measured, xp)
+    by_p, by_q, through = _assembled(signals, weights, around, measured, xp)
     return m.M0, m.C0 + m.D0, m.K, *by_p, *by_q, *through
 
 
 def _assembled(
-    inputs: tuple[Signal, ...],
-    outputs: tuple[Signal, ...],
-    weights: Any,
-    held: tuple[ConstrainedCoordinate, ...],
-    around: _Around,
-    measured: Callable[[Signal], Any],
-    xp: Any,
-    passes: bool = True,
+    signals: _Signals, weights: Any, around: _Around, measured: Callable[[Signal], Any], xp: Any, passes: bool = True
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """Effects of inputs, outputs by the freedoms, and outputs by inputs, each by powers of the rate.
 
@@ -242,6 +230,7 @@ def _assembled(
         measured: Rows of an output by the freedoms and by held coordinates, each with its rates, None for zero.
         passes: Whether a stress input adds to the measured stress.
     """
+    inputs, outputs, held = signals
     causes, (n, k) = terms_of(inputs), (around.forces.shape[0], len(held))
     motions = moved_by(causes, held)
     by_p = [-part @ motions for part in around.by_held]
@@ -337,10 +326,8 @@ def large_second_order(lin: Linearization, lossy: ElementMatrices | None = None)
 
 def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, library: Any) -> LargeSecondOrder:
     """:func:`large_second_order` by NumPy, from NumPy arrays, or by JAX."""
-    model, elements, n_x = lin.model, lin.elements, lin.x.shape[0]
-    inputs, outputs = (tuple(s.without_name() for s in some) for some in model.signals())
-    causes = terms_of(inputs)
-    held = constrained_by((*causes, *terms_of(outputs)))
+    elements, n_x, signals = lin.elements, lin.x.shape[0], _Signals.of(lin)
+    causes, held = terms_of(signals.inputs), signals.held
     carried = _carried(lin, elements, held, library)
     # Holding forces are measured along motions that meet no force of the transposed stiffness.
     along = carried if lin.symmetric else _carried(lin, transposed(elements), held, library)
@@ -360,9 +347,9 @@ def _large_second_order(lin: Linearization, lossy: ElementMatrices | None, libra
         rows = _measured(s, lin, matrices, elastic, library)
         return rows, [row @ carried for row in rows]
 
-    powers = _assembled(inputs, outputs, model.parameters.weights, held, around, measured, library, elastic)
+    powers = _assembled(signals, lin.model.parameters.weights, around, measured, library, elastic)
     b, c, d = map(library.stack, powers)
-    form = LargeSecondOrder(matrices, b, c, d, *orders_of(inputs))
+    form = LargeSecondOrder(matrices, b, c, d, *orders_of(signals.inputs))
     if elastic:
         _refuse_idle(lin, form)
     return form

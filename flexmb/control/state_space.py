@@ -14,8 +14,9 @@ from ..errors import AnalysisError, ModelError, warn
 from ..linear.about import Where, asked_about
 from ..linear.linearize import Linearization, ManyStates, Matrices
 from ..linear.loose import refuse_negative_mass, refuse_without_anything
+from ..linear.modes import modal_frequencies
 from ..linear.spectrum import massless_freedoms, response_without_mass
-from ..math.linear import Factors, factorise
+from ..math.linear import factorise
 from ..math.linear_solver import LinearSolver
 from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import combined, terms_of
@@ -25,7 +26,7 @@ from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
 from ..statics.solver_choice import asked_solver
 from .second_order_form import SecondOrder, second_order
-from .truncation import by_modes, error_of, error_of_large, retained_modes, truncated
+from .truncation import by_modes, error_of, retained_modes, truncated
 
 if TYPE_CHECKING:
     import control
@@ -163,42 +164,23 @@ def _first_order(
     d = c0 @ at_once + c1 @ rates + c2 @ pull + d0
     z_dot, eye = jnp.concatenate([jnp.zeros((n, n)), jnp.eye(n), np.zeros((n, more))], axis=1), np.eye(n_u)
     # The rate of a second integral is the first one of the same input.
-    first = np.concatenate(
-        [
-            np.zeros((len(twice), 2 * n)),
-            eye[np.asarray(twice, int)][:, np.asarray(once, int)],
-            np.zeros((len(twice),) * 2),
-        ],
-        1,
-    )
+    first = np.hstack([np.zeros((len(twice), 2 * n)), eye[twice][:, once], np.zeros((len(twice),) * 2)])
     a = jnp.concatenate([z_dot, v_dot, np.zeros((len(once), 2 * n + more)), first])
     b = jnp.concatenate([rates, pull, eye[once], np.zeros((len(twice), n_u))])
     # Into the order of names: displacements after z, velocities after v.
     places = {j: 2 * n + i for i, j in enumerate(once)} | {j: 2 * n + len(once) + i for i, j in enumerate(twice)}
     speeds = [2 * n + i for i, j in enumerate(once) if orders[j] == 2]
     order = np.array([*range(n), *(places[j] for j in once), *range(n, 2 * n), *speeds], int)
-    late = _rates_in_outputs(inverse, damping, (b1, b2), (at_once, rates), (c1, c2), (d1, d2))
-    shifted = jnp.any(at_once != 0, axis=1), jnp.any((rates != 0) | (at_once != 0), axis=1)
-    return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
-
-
-def _rates_in_outputs(
-    inverse: Factors,
-    damping: Float[Array, "n n"],
-    by_rates: tuple[Array, Array],
-    moved: tuple[Array, Array],
-    c: tuple[Array, Array],
-    through: tuple[Array, Array],
-):
-    """Rate of an input that is left in an output, 1 or 2, or 0, apart from round-off of its parts."""
-    (b1, b2), (at_once, rates), (c1, c2), (d1, d2) = by_rates, moved, c, through
-    size = jnp.abs(inverse.solve(jnp.eye(len(damping))))
+    # Rate of an input that is left in an output, apart from round-off of its parts.
+    size = jnp.abs(inverse.solve(jnp.eye(n)))
     most = size @ jnp.abs(b2)
     most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
-    first, second = c1 @ at_once + c2 @ rates + d1, c2 @ at_once + d2
-    largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1), jnp.abs(c2) @ most + jnp.abs(d2)
-    significant = [jnp.abs(total) > RATE_ROUND_OFF * part for total, part in zip((first, second), largest, strict=True)]
-    return jnp.where(significant[1], 2, jnp.where(significant[0], 1, 0))
+    largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1)
+    needs_rate = jnp.abs(c1 @ at_once + c2 @ rates + d1) > RATE_ROUND_OFF * largest
+    needs_second = jnp.abs(c2 @ at_once + d2) > RATE_ROUND_OFF * (jnp.abs(c2) @ most + jnp.abs(d2))
+    late = jnp.where(needs_second, 2, jnp.where(needs_rate, 1, 0))
+    shifted = jnp.any(at_once != 0, axis=1), jnp.any((rates != 0) | (at_once != 0), axis=1)
+    return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
 
 
 def state_matrices(
@@ -273,29 +255,29 @@ def state_matrices(
 def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateMatrices, list[str], Any]:
     """State-space matrices, names of the states, and the error of kept modes in their band, None under a trace."""
     known = lin if lin.large else undifferentiated(lin)
-    traced, condensed, kept_modes = not is_concrete(known), (), ()
-    plain: Any = None
+    traced, condensed = not is_concrete(known), ()
+    whole: Any = None
+    hertz: Any = None
     if lin.large:
-        some = by_modes(lin, modes, bandwidth)
-        form, names = some.form, [f"mode {i + 1}" for i in some.kept]
+        form, whole, kept, hertz = by_modes(lin, modes, bandwidth)
     else:
-        some = None
         if not traced:
             _refuse_undetermined(known)
             refuse_negative_mass(known)
             condensed = _all_massless(known)
         form = second_order(lin)
         if not traced:
-            plain = jax.tree.map(np.asarray, undifferentiated(form))
-            refuse_idle_inputs(known, plain)
-        kept_modes = retained_modes(lin, modes, bandwidth) if modes is not None or bandwidth is not None else ()
-        names = [f"mode {i + 1}" for i in kept_modes]
-        if not traced and not kept_modes:
-            names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
-            if condensed and not names:
-                raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
+            whole = jax.tree.map(np.asarray, undifferentiated(form))
+            refuse_idle_inputs(known, whole)
+        kept = () if modes is None and bandwidth is None else retained_modes(lin, modes, bandwidth)
+    names = [f"mode {i + 1}" for i in kept]
+    if not traced and not kept:
+        names = [name for i, name in enumerate(lin.model.q_labels) if i not in condensed]
+        if condensed and not names:
+            raise AnalysisError("singular_mass", RESULTS.singular_mass.message + " Here no motion carries mass.")
     orders, moves = tuple(form.orders.tolist()), tuple(form.moves.tolist())
-    realised = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept_modes)
+    kept_here = () if lin.large else kept
+    realised = _realised(tuple(form[:12]), orders=orders, moves=moves, condensed=condensed, modes=kept_here)
     if traced:
         # NaN in place of a rate of an input.
         d = jnp.where(realised.late > 0, jnp.nan, realised.matrices.D)
@@ -304,12 +286,13 @@ def _matrices_of(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[StateM
     _refuse_rates(lin, np.asarray(late), orders)
     shifted = [np.any(flags, axis=tuple(range(np.ndim(flags) - 1))).tolist() for flags in map(np.asarray, moved)]
     error = None
-    if some is not None:
-        error = error_of_large(lin, some, bandwidth, numbers)
-    elif kept_modes:
-        error = error_of(known, kept_modes, bandwidth, plain, numbers)
+    if kept:
+        if hertz is None:
+            hertz = np.asarray(modal_frequencies(known)[0])
+            hertz = hertz[np.isfinite(hertz)]
+        error = error_of(known, whole, numbers, kept, np.asarray(hertz), bandwidth)
     elif condensed and lin.matrices.M0.ndim == 2:
-        _warn_of_lost_damping(known, plain, numbers)
+        _warn_of_lost_damping(known, whole, numbers)
     return realised.matrices, _names(names, lin, orders, shifted), error
 
 
@@ -409,27 +392,21 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
     sizes = coordinate_scales(lin.model.topology, lin.model.parameters)
     largest = np.max(sizes)
     size = factors @ np.array([max(1.0, largest) if s.of_element else sizes[s.index] for s in terms_of(inputs)])
-    idle = set(range(len(inputs)))
+    idle = np.ones(len(inputs), bool)
     numbers = whole[:12] if whole.M.ndim > 2 else [matrix[None] for matrix in whole[:12]]
     for m, *parts in zip(_at_each_time(lin), *numbers, strict=True):
         fields: Any = (*parts, whole.orders, whole.moves)
         state_form = SecondOrder(*fields)
         # Largest motion of each degree of freedom in extents and radians.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
-        for i in sorted(idle):
-            if whole.moves[i]:
-                acts = any(np.any(b[:, i]) for b in (state_form.B0, state_form.B1, state_form.B2))
-            else:
-                acts = np.any(np.abs(state_form.B0[:, i]) > IDLE_INPUT * size[i] * reach)
-                acts = acts and not _drives_only_unseen(m, state_form, i, condensed)
-            seen = any(
-                np.any(np.abs(d[:, i]) > IDLE_INPUT * max(1.0, size[i]))
-                for d in (state_form.D0, state_form.D1, state_form.D2)
-            )
-            if acts or seen:
-                idle.discard(i)
-    if idle:
-        s = inputs[min(idle)]
+        by_p, through = np.stack(state_form[3:6]), np.abs(state_form[9:12])
+        pushes = np.any(np.abs(by_p[0]) > IDLE_INPUT * size * reach[:, None], axis=0)
+        acts = np.where(whole.moves, np.any(by_p, axis=(0, 1)), pushes)
+        idle &= ~np.any(through > IDLE_INPUT * np.maximum(1.0, size), axis=(0, 1))
+        for i in np.flatnonzero(idle & acts):
+            idle[i] = not whole.moves[i] and _drives_only_unseen(m, state_form, i, condensed)
+    if np.any(idle):
+        s = inputs[np.argmax(idle)]
         raise ModelError(
             f"Input '{s.name}' (a {s.quantity}) moves nothing in this state: its columns of B and D are zero. Let it"
             " act on a coordinate that can move, or leave it out."

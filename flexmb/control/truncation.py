@@ -1,7 +1,7 @@
 """A state space of few modes: which modes, the static response of the others, and the error that is left."""
 
-from collections.abc import Callable, Iterable
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -26,22 +26,6 @@ POINTS, FEW_POINTS = 120, 40
 BESIDE = 1 + np.array([-1e-2, -1e-3, 1e-3, 1e-2])
 # Modes of a large mechanism computed first for a bandwidth.
 FIRST = 8
-
-
-class ByModes(NamedTuple):
-    """Second-order form of a few modes of a large mechanism.
-
-    Attributes:
-        form: In amplitudes of the kept modes; D0 includes all other motions at rest.
-        whole: In all coordinates.
-        kept: Numbers of the modes, from 0, ascending.
-        hertz: Frequencies of all modes up to the highest one kept [Hz].
-    """
-
-    form: SecondOrder
-    whole: LargeSecondOrder
-    kept: tuple[int, ...]
-    hertz: Float[Array, "n"]
 
 
 def retained_modes(lin: Linearization, modes: Any, bandwidth: Any) -> tuple[int, ...]:
@@ -143,8 +127,14 @@ def truncated(
     return keep, follows
 
 
-def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes:
+def by_modes(
+    lin: Linearization, modes: Any, bandwidth: float | None
+) -> tuple[SecondOrder, LargeSecondOrder, tuple[int, ...], Float[Array, "n"]]:
     """Equations of a few modes of a large mechanism (THEORY.md 7, eq. (7.14), with R B_u from (7.17)).
+
+    Returns the second-order form in amplitudes of the kept modes, where D0 includes all other motions at rest; the form
+    in all coordinates; numbers of the kept modes, from 0, ascending; and frequencies of all modes up to the highest one
+    kept [Hz].
 
     Raises as :func:`retained_modes`, ModelError for an input that moves nothing, and singular_stiffness for a motion
     without stiffness that is not kept.
@@ -155,7 +145,7 @@ def by_modes(lin: Linearization, modes: Any, bandwidth: float | None) -> ByModes
     return by_library(_by_modes, lin, modes, bandwidth)
 
 
-def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any) -> ByModes:
+def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: Any):
     """:func:`by_modes` by NumPy, from NumPy arrays, or by JAX."""
     large_form = large_second_order(lin)
     elements, n_x, (n, h) = lin.elements, lin.x.shape[0], lin.elements.unknowns
@@ -192,54 +182,29 @@ def _by_modes(lin: Linearization, modes: Any, bandwidth: float | None, library: 
     ]
     parts += [*(shapes.T @ b for b in large_form.B), places, rates + by_rates, second, *d]
     form = SecondOrder(*parts, orders=large_form.orders, moves=large_form.moves)
-    return ByModes(form, large_form, kept_modes, hertz)
+    return form, large_form, kept_modes, hertz
 
 
-def error_of(
-    lin: Linearization, kept: tuple[int, ...], bandwidth: float | None, whole: SecondOrder, small: Any
-) -> Float[np.ndarray, "n_y n_u"]:
-    """Largest error of a truncated state space in its band, (n_y, n_u) [-]; warns above a hundredth.
-
-    It is the difference of responses over the larger of the full one and its median within half an octave to both
-    sides, so that an antiresonance does not count. ``whole`` is the form of all modes, ``small`` the truncated state
-    space.
-    """
-    hertz = np.asarray(modal_frequencies(lin)[0])
-    hertz = hertz[np.isfinite(hertz)]
-    end, grid = _band(kept, bandwidth, hertz, POINTS, BESIDE)
-
-    def full():
-        for s in 2j * np.pi * grid:
-            stiffness, forces, rows, through = whole.at(s)
-            solved_both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
-            yield forces, rows, through, *np.split(solved_both, [forces.shape[1]], 1)
-
-    removed = np.delete(hertz, list(kept))
-    return _warned_error(lin, grid, full(), small, end, f"{len(kept)} of {len(hertz)}", removed)
+def _solved(whole: SecondOrder, grid: np.ndarray) -> Iterator[tuple[Any, ...]]:
+    """At each frequency: B, C, D, and the motions by inputs and by outputs as forces."""
+    for s in 2j * np.pi * grid:
+        stiffness, forces, rows, through = whole.at(s)
+        solved_both = np.linalg.solve(stiffness, np.column_stack([forces, rows.T]))
+        yield forces, rows, through, *np.split(solved_both, [forces.shape[1]], 1)
 
 
-def error_of_large(
-    lin: Linearization, found: ByModes, bandwidth: float | None, small: Any
-) -> Float[np.ndarray, "n_y n_u"]:
-    """:func:`error_of` against solutions in all coordinates, at fewer frequencies."""
-    large_form = found.whole
-    end, grid = _band(found.kept, bandwidth, np.asarray(found.hertz), FEW_POINTS, BESIDE[[0, -1]])
+def _solved_by_elements(large_form: LargeSecondOrder, grid: np.ndarray) -> Iterator[tuple[Any, ...]]:
+    """:func:`_solved` in all coordinates."""
     n_u, n = large_form.B.shape[2], large_form.elements.unknowns[0]
     free, w = np.asarray(large_form.elements.free), 2 * np.pi * grid
     b, c, d = map(np.asarray, large_form[1:4])
     solved_at = np.asarray(
         solutions(large_form.elements, w, large_form.B.astype(complex), large_form.C.astype(complex))
     )
-
-    def full():
-        for s, z in zip(1j * w, solved_at, strict=True):
-            by_u, powers = s ** -large_form.orders.astype(float), s ** np.arange(3)
-            forces, rows, through = (np.tensordot(powers, m, 1) for m in (b[:, free], c[:, :, free], d))
-            yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
-
-    hertz = np.asarray(found.hertz)
-    removed = np.delete(hertz, [i for i in found.kept if i < len(hertz)])
-    return _warned_error(lin, grid, full(), small, end, str(len(found.kept)), removed)
+    for s, z in zip(1j * w, solved_at, strict=True):
+        by_u, powers = s ** -large_form.orders.astype(float), s ** np.arange(3)
+        forces, rows, through = (np.tensordot(powers, m, 1) for m in (b[:, free], c[:, :, free], d))
+        yield forces * by_u, rows, through * by_u, z[:n, :n_u] * by_u, z[:n, n_u:]
 
 
 def _band(
@@ -261,21 +226,27 @@ def _band(
     return end, grid[np.all(off_resonance, axis=1)]
 
 
-def _warned_error(
+def error_of(
     lin: Linearization,
-    grid: np.ndarray,
-    full: Iterable[tuple[Any, ...]],
+    whole: SecondOrder | LargeSecondOrder,
     small: Any,
-    end: float,
-    some: str,
-    removed: np.ndarray,
+    kept: tuple[int, ...],
+    hertz: np.ndarray,
+    bandwidth: float | None,
 ) -> Float[np.ndarray, "n_y n_u"]:
-    """Largest error of responses, with a warning if it is large.
+    """Largest error of a truncated state space in its band, (n_y, n_u) [-]; warns above a hundredth.
 
-    ``full`` yields, for each frequency, effects of inputs, outputs, the part that passes at once, and the motions by
-    inputs and by outputs as forces. ``some`` names the number of kept modes; ``removed`` has known frequencies of
-    the others [Hz].
+    It is the difference of responses over the larger of the full one and its median within half an octave to both
+    sides, so that an antiresonance does not count. ``whole`` is the form of all modes, ``small`` the truncated state
+    space, ``hertz`` the known frequencies of all modes. A large form is compared at fewer frequencies.
     """
+    if isinstance(whole, LargeSecondOrder):
+        end, grid = _band(kept, bandwidth, hertz, FEW_POINTS, BESIDE[[0, -1]])
+        full, some = _solved_by_elements(whole, grid), str(len(kept))
+    else:
+        end, grid = _band(kept, bandwidth, hertz, POINTS, BESIDE)
+        full, some = _solved(whole, grid), f"{len(kept)} of {len(hertz)}"
+    removed = np.delete(hertz, [i for i in kept if i < len(hertz)])
     a, b, c, d = map(np.asarray, small)
     right, truncated_responses, least = [], [], np.zeros(d.shape)
     for s, (forces, rows, through, moved, sensed) in zip(2j * np.pi * grid, full, strict=True):
