@@ -33,15 +33,6 @@ STEP, FARTHEST, FINER = 1.0, 20_000, 4
 MANY = 10_000
 
 
-class Evaluated(NamedTuple):
-    """Rates of the states, outputs, the memory to continue from, and the last change of Newton's method."""
-
-    rates: Float[Array, "n"]
-    y: Float[Array, "n_y"]
-    memory: Float[Array, "m"]
-    gap: Float[Array, ""]
-
-
 @jit_beside_options
 def plant_rates(
     model: Model,
@@ -50,8 +41,11 @@ def plant_rates(
     state: Float[Array, "n"],
     memory: Float[Array, "m"],
     u: Float[Array, "n_u"],
-) -> Evaluated:
-    """Rates and outputs at a state; the memory of all coordinates and deformations is Newton's first guess."""
+) -> tuple[Float[Array, "n"], Float[Array, "n_y"], Float[Array, "m"], Float[Array, ""]]:
+    """Rates of a state, outputs, the memory to continue from, and the last change of Newton's method.
+
+    The memory of all coordinates and deformations is Newton's first guess.
+    """
     undriven = coordinates_form(model.topology, model.parameters, driven)
     form = reduced_form(under_inputs(model, undriven, u))
     n = form.size
@@ -66,7 +60,7 @@ def plant_rates(
     again = form.settle(t, at).memory
     moved = jnp.abs(again - at.memory)[: model.topology.n_x] / coordinate_scales(model.topology, model.parameters)
     rates = jnp.concatenate([state[n:], form.acceleration(t, at)[0] * form.sizes])
-    return Evaluated(rates, y, at.memory, jnp.max(moved, initial=0.0))
+    return rates, y, at.memory, jnp.max(moved, initial=0.0)
 
 
 class Freedoms(NamedTuple):
@@ -136,17 +130,17 @@ class _Plant:
             if not least * finer <= FARTHEST:
                 break
             steps, memory = int(least * finer), self.memory
-            evaluated: Any = None
+            rates: Any = None
+            y: Any = None
             for k in range(1, steps + 1):
                 state = np.concatenate([before + change * k / steps, np.zeros(n)]) if k < steps else x
                 numbers = (np.asarray(number, float) for number in (t, state, memory, u))
-                evaluated = jax.device_get(plant_rates(self.model, self.driven, *numbers))
-                memory = evaluated.memory
-                if not evaluated.gap < DEPENDENT_FOUND:
+                rates, y, memory, gap = jax.device_get(plant_rates(self.model, self.driven, *numbers))
+                if not gap < DEPENDENT_FOUND:
                     break
             else:
                 self.memory = memory
-                return evaluated.rates, evaluated.y
+                return rates, y
         # The next question is answered anew.
         self.question = ()
         raise AnalysisError("out_of_reach", RESULTS.out_of_reach.message)
