@@ -74,6 +74,17 @@ FMI Status STATE_OF_BYTES(void *unit, const Byte bytes[], size_t size, void **st
     return OK;
 }
 
+/* Modes that ask for nothing here: nothing happens at an instant. */
+#define A_MODE(name) \
+    FMI Status VERSIONED(name)(void *unit) { \
+        UNUSED(unit); \
+        return OK; \
+    }
+A_MODE(ExitInitializationMode)
+A_MODE(EnterEventMode)
+A_MODE(EnterContinuousTimeMode)
+A_MODE(Terminate)
+
 FMI Status VERSIONED(SetTime)(void *unit, double t) {
     set_time(unit, t);
     return OK;

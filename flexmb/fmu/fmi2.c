@@ -81,17 +81,7 @@ FMI Status NAME(fmi2SetupExperiment)(void *unit, int has_tolerance, double toler
     return OK;
 }
 
-/* Modes that ask for nothing here: nothing happens at an instant. */
-#define A_MODE(name) \
-    FMI Status NAME(name)(void *unit) { \
-        UNUSED(unit); \
-        return OK; \
-    }
-A_MODE(fmi2EnterInitializationMode)
-A_MODE(fmi2ExitInitializationMode)
-A_MODE(fmi2EnterEventMode)
-A_MODE(fmi2EnterContinuousTimeMode)
-A_MODE(fmi2Terminate)
+A_MODE(EnterInitializationMode)
 
 FMI Status NAME(fmi2GetReal)(void *unit, References references, size_t n, double values[]) {
     return done(get_values(unit, references, n, values, n));

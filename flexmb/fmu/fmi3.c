@@ -52,20 +52,10 @@ FMI Status NAME(fmi3EnterInitializationMode)(void *unit, bool has_tolerance, dou
     return OK;
 }
 
-/* Modes that ask for nothing here: nothing happens at an instant. */
-#define A_MODE(name) \
-    FMI Status NAME(name)(void *unit) { \
-        UNUSED(unit); \
-        return OK; \
-    }
-A_MODE(fmi3ExitInitializationMode)
-A_MODE(fmi3EnterEventMode)
-A_MODE(fmi3EnterContinuousTimeMode)
-A_MODE(fmi3EnterStepMode)
-A_MODE(fmi3EnterConfigurationMode)
-A_MODE(fmi3ExitConfigurationMode)
-A_MODE(fmi3EvaluateDiscreteStates)
-A_MODE(fmi3Terminate)
+A_MODE(EnterStepMode)
+A_MODE(EnterConfigurationMode)
+A_MODE(ExitConfigurationMode)
+A_MODE(EvaluateDiscreteStates)
 
 FMI Status NAME(fmi3GetFloat64)(void *unit, References references, size_t n, double values[], size_t n_values) {
     return done(get_values(unit, references, n, values, n_values));

@@ -102,6 +102,7 @@ ELEMENTWISE = (
     ("or", "", "{} | {}", "({} | {})"),
     ("xor", "", "{} ^ {}", "({} ^ {})"),
     ("not", "", "~{}", "(!{})"),
+    ("clamp", "fx_min(fx_max({}, {}), {})", "fx_imin(fx_imax({}, {}), {})"),
     ("atan2", "atan2({}, {})"),
     ("nextafter", "nextafter({}, {})"),
     ("rsqrt", "(1.0 / sqrt({}))"),
@@ -144,13 +145,6 @@ def _reduce_precision(w: Writer, equation: Equation, values: list[Value]) -> lis
     if (equation.params["exponent_bits"], equation.params["mantissa_bits"]) != (11, 52):
         raise NotImplementedError("less than double precision")
     return values
-
-
-@rule("clamp")
-def _clamp(w: Writer, equation: Equation, values: list[Value]) -> list[Value]:
-    i = "" if values[1].dtype.kind == "f" else "i"
-    most, least = w.helper(f"fx_{i}min"), w.helper(f"fx_{i}max")
-    return mapped(w, equation, values, lambda lo, x, hi: f"{most}({least}({lo}, {x}), {hi})")
 
 
 @rule("select_n")

@@ -313,18 +313,19 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
     placed_variables = ordered_variables(plant, settable)
     check_unique_names(plant, placed_variables)
     listed = list(scalars(placed_variables)) if fmi == 2 else placed_variables
+
+    def contents(token: str) -> tuple[dict[str, bytes], bytes]:
+        of_c = sources(plant, placed_variables, token, fmi, settable)
+        return of_c, description(plant, listed, identifier, title, token, fmi)
+
     # The token follows from the content of the unit: the same content has the same token.
-    parts = [
-        sources(plant, placed_variables, "", fmi, settable),
-        {"xml": description(plant, listed, identifier, title, "", fmi)},
-    ]
+    of_c, xml = contents("")
     resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": matrix_table(plant)}
     digest = hashlib.sha256()
-    for name, content in sorted({**parts[0], **parts[1], **resources}.items()):
+    for name, content in sorted({**of_c, "xml": xml, **resources}.items()):
         digest.update(f"{name} {len(content)} ".encode() + content)
-    token = "{" + str(uuid.uuid5(uuid.NAMESPACE_OID, digest.hexdigest())) + "}"
-    of_c = sources(plant, placed_variables, token, fmi, settable)
-    files = {"modelDescription.xml": description(plant, listed, identifier, title, token, fmi), **resources}
+    of_c, xml = contents("{" + str(uuid.uuid5(uuid.NAMESPACE_OID, digest.hexdigest())) + "}")
+    files = {"modelDescription.xml": xml, **resources}
     files |= {f"sources/{name}": content for name, content in of_c.items()}
     if fmi == 3:
         files["sources/buildDescription.xml"] = build_description(identifier)
