@@ -3,13 +3,12 @@
 import codecs
 import dataclasses
 import errno
-import math
 import os
 import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.core
 import numpy as np
@@ -159,23 +158,17 @@ def statements(text: str, numbers: Mapping[str, Any] | None = None) -> Iterator[
             yield Statement(number, keyword, raw, numbers)
 
 
-@dataclasses.dataclass(frozen=True)
-class _Group:
-    names: tuple[str, ...]
+class _Group(NamedTuple):
+    names: list[str]
     required: bool
     repeats: bool
 
 
 def _groups(form: str) -> list[_Group]:
-    """Parts of a form: "node x [y] [z]", "element value ...", "node [coordinate ...]"."""
-    groups: list[_Group] = []
-    for inside, word in re.findall(r"\[([^\]]*)\]|(\S+)", form):
-        if word == "...":
-            groups[-1] = dataclasses.replace(groups[-1], repeats=True)
-            continue
-        names = (inside or word).split()
-        groups.append(_Group(tuple(n for n in names if n != "..."), not inside, names[-1] == "..."))
-    return groups
+    """Parts of a form: "node x [y] [z]", "element value ...", "node [coordinate ...]"; only the last may repeat."""
+    parts = re.findall(r"\[[^\]]*\]|\S+", form.replace(" ...", ""))
+    groups = [_Group(part.strip("[]").split(), part[0] != "[", False) for part in parts]
+    return [*groups[:-1], groups[-1]._replace(repeats=True)] if "..." in form else groups
 
 
 def first_parameter(form: str) -> str:
@@ -225,8 +218,6 @@ def _value(name: str, text: Any, expected: str) -> Any:
         return int(text)
     if isinstance(text, Placeholder):
         value = text.value()
-        if isinstance(value, complex):
-            raise Fault(f"{name} must be a real number, but '{printable(text)}' is {value}; {expected}")
         if not known(value):
             return value
     elif _NOT_FINITE.fullmatch(text):
@@ -235,14 +226,11 @@ def _value(name: str, text: Any, expected: str) -> Any:
         raise Fault(f"{name} must be a number, but is '{printable(text)}'; {expected}")
     else:
         value = float(text.lower().replace("d", "e"))
-    if math.isnan(value) or abs(value) > LARGEST:
-        too = "no number" if math.isnan(value) else f"too large: at most {LARGEST:g} is taken"
+    if abs(value) > LARGEST:
+        too = f"too large: at most {LARGEST:g} is taken"
         raise Fault(f"{name} must be a finite number, but '{printable(text)}' is {too}; {expected}")
-    if abs(value) < SMALLEST and not _is_zero(text, value):
+    # Numbers too small for a double have become zero too.
+    means_zero = value == 0 and (isinstance(text, Placeholder) or not _DIGIT.search(re.split("[eEdD]", text)[0]))
+    if abs(value) < SMALLEST and not means_zero:
         raise Fault(f"{name} must be 0 or at least {SMALLEST:g}, but is '{printable(text)}'; {expected}")
     return value
-
-
-def _is_zero(text: str, value: float) -> bool:
-    """Whether a number is written as zero; numbers too small for a double have become zero too."""
-    return value == 0 and (isinstance(text, Placeholder) or not _DIGIT.search(re.split("[eEdD]", text)[0]))

@@ -80,12 +80,8 @@ def _take_group(r: Reading, group: dict[str, Statement]) -> tuple[bool, bool]:
     if outline is not None and all(map(known, sizes)):
         for fault in outline.faults():
             raise Fault(f"{SIZES}: {fault}")
-    declared = [r.declared(number) for number in numbers]
-    used = [
-        number
-        for number, element in zip(numbers, declared, strict=True)
-        if outline is not None and "EA" in element.kind.stiffness and "ESTIFF" in r.lines.get(number, {})
-    ]
+    rigid = [number for number in numbers if "EA" not in r.declared(number).kind.stiffness]
+    used = [n for n in numbers if outline is not None and n not in rigid and "ESTIFF" in r.lines.get(n, {})]
     for number in used:
         r.once(group[PROPS], number)
         r.outlines[number] = outline
