@@ -98,13 +98,13 @@ def stable_inversion(system: Any, trajectory: Mapping[str, Callable], times: Arr
     Source:
         Devasia, Chen, Paden (1996), as THEORY.md 14, eq. (14.16) to (14.18).
     """
+    if not is_concrete((system, times)):
+        raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
     a, b, c, d, inputs, outputs = _system(system)
     if not isinstance(trajectory, Mapping) or not trajectory:
         raise ModelError(
             f"Argument `trajectory` must be a dictionary of outputs and laws, not {short_repr(trajectory)}."
         )
-    if not is_concrete(times):
-        raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
     grid = checked_times(times)
     names = list(trajectory)
     for name in names:
@@ -159,12 +159,8 @@ class _Inverse(NamedTuple):
 def _system(system: Any):
     """Matrices and names of a linear system."""
     if isinstance(system, Model | Linearization):
-        labels = system.labels
-        if not is_concrete(jax.tree.leaves(system)):
-            raise TypeError("Stable inversion takes concrete numbers, outside jax.jit, jax.grad and jax.vmap.")
-        matrices, _ = state_matrices(system)
-        inputs, outputs = ([s.name for s in some] for some in (labels.inputs, labels.outputs))
-        parts = matrices
+        parts, _ = state_matrices(system)
+        inputs, outputs = ([s.name for s in some] for some in (system.labels.inputs, system.labels.outputs))
     elif all(hasattr(system, name) for name in "ABCD"):
         if getattr(system, "dt", 0):
             raise ModelError("Stable inversion takes a continuous system, not a sampled one.")

@@ -323,7 +323,8 @@ def stretched(
         raise TypeError(
             f"fm.trajectory.stretched takes a Law, such as fm.trajectory.spline returns, not {short_repr(law)}."
         )
-    limits = _limits((velocity, acceleration, jerk))
+    limits = velocity, acceleration, jerk
+    _check_limits(limits, "Give a limit: `velocity`, `acceleration` or `jerk`.")
     peaks = _peaks(law)
     if is_concrete(law) and not float(np.asarray(peaks[0])) > 0:
         raise ValueError("Argument `law` does not move, so it has no shortest duration.")
@@ -400,14 +401,13 @@ def _positive(xp: Any, number: Any) -> Any:
     return xp.where(number > 0, number, 1e-300)
 
 
-def _limits(limits: Sequence[Any]) -> list[Any]:
-    """Limits of velocity, acceleration and jerk, of which at least one is given."""
+def _check_limits(limits: Sequence[Any], missing: str) -> None:
+    """Check limits of velocity, acceleration and jerk, of which at least one is given."""
+    if all(value is None for value in limits):
+        raise ValueError(missing)
     for name, value in zip(WORDS[1:], limits, strict=True):
         if value is not None:
             check_number(name, value, above=0)
-    if all(value is None for value in limits):
-        raise ValueError("Give a limit: `velocity`, `acceleration` or `jerk`.")
-    return list(limits)
 
 
 def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any], begin: Any) -> Law:
@@ -423,13 +423,12 @@ def _rise(degree: int, start: Any, end: Any, duration: Any, limits: Sequence[Any
         check_number("duration", duration, above=0)
         duration = xp.asarray(duration, float)
     else:
-        if all(limit is None for limit in limits):
-            raise ValueError("Give `duration`, or a limit: `velocity`, `acceleration` or `jerk`.")
+        _check_limits(limits, "Give `duration`, or a limit: `velocity`, `acceleration` or `jerk`.")
         # A move by zero may take any time.
         far = xp.where(way == 0, 1.0, xp.abs(way))
         needed = [
             (peak * far / limit) ** (1 / (k + 1))
-            for k, (peak, limit) in enumerate(zip(PEAKS[degree], _limits(limits), strict=True))
+            for k, (peak, limit) in enumerate(zip(PEAKS[degree], limits, strict=True))
             if limit is not None
         ]
         duration = xp.max(xp.stack(needed))

@@ -135,9 +135,8 @@ class TimeVarying(Labelled, Record):
         """
         import control
 
-        names = self._plain_names()
-        parts = [np.asarray(part) for part in self(t)]
-        return control.StateSpace(*parts, states=names[0], inputs=names[1], outputs=names[2])
+        states, inputs, outputs = self._plain_names()
+        return control.StateSpace(*map(np.asarray, self(t)), states=states, inputs=inputs, outputs=outputs)
 
     def solution(
         self,
@@ -214,17 +213,9 @@ class TimeVarying(Labelled, Record):
 
         y, z = self.solution(times, u, initial, rtol=rtol, substeps=substeps)
         times, u, _ = self._given(times, u, initial)
-        names = self._plain_names()
-        return control.TimeResponseData(
-            np.asarray(times),
-            np.asarray(y),
-            states=np.asarray(z),
-            inputs=np.asarray(u).T,
-            state_labels=names[0],
-            input_labels=names[1],
-            output_labels=names[2],
-            title="Along a motion",
-        )
+        time, y, z, u = (np.asarray(values) for values in (times, y, z, u.T))
+        names = dict(zip(("state_labels", "input_labels", "output_labels"), self._plain_names(), strict=True))
+        return control.TimeResponseData(time, y, states=z, inputs=u, title="Along a motion", **names)
 
     def reduced(self, modes: int) -> TimeVarying:
         """Return the system in the amplitudes of a few slowly varying modes; other motions respond quasi-statically.

@@ -177,16 +177,11 @@ def _full_motion(
     still = jnp.zeros((p.shape[0], m.M0.shape[1]))
     if slow is not None:
         mass, damping, _, force = _free_part(m, force, kept)
-        count = p.shape[1]
 
         def at_one_time(at: tuple[Array, ...]):
-            p, pd, mass, damping, force, shapes, rates, second, flexibility, coefficients = at
-            right = (
-                coefficients[:, 3 * count]
-                - coefficients[:, count : 2 * count] @ pd
-                - coefficients[:, 2 * count : 3 * count] @ p
-            )
-            pdd = factorise(coefficients[:, :count]).solve(right)
+            p, pd, mass, damping, force, shapes, rates, second, flexibility, side_by_side = at
+            modal_mass, modal_damping, modal_stiffness, modal_force = _coefficients(side_by_side)
+            pdd = factorise(modal_mass).solve(modal_force - modal_damping @ pd - modal_stiffness @ p)
             moving = shapes @ pd + rates @ p
             inertia = mass @ (shapes @ pdd + 2 * rates @ pd + second @ p)
             return shapes @ p + flexibility @ (force - damping @ moving - inertia), moving
@@ -201,13 +196,15 @@ def _full_motion(
 def _vibrations(
     equations: Spline, q: Float[Array, "k"], qd: Float[Array, "k"], count: Any = None, *, substeps: int | None = None
 ):
-    n = q.shape[0]
+    steps = count if substeps is None else substeps
+    return integrate_varying(lambda t: _coefficients(equations(t)), equations.t, q, qd, steps)
 
-    def equation(t: Float[Array, ""]):
-        coefficients = equations(t)
-        return coefficients[:, :n], coefficients[:, n : 2 * n], coefficients[:, 2 * n : 3 * n], coefficients[:, 3 * n]
 
-    return integrate_varying(equation, equations.t, q, qd, count if substeps is None else substeps)
+def _coefficients(side_by_side: Float[Array, "n columns"]) -> tuple[Array, ...]:
+    """Mass, damping, stiffness and force from [M, C, K, f]."""
+    n = side_by_side.shape[0]
+    mass, damping, stiffness, force = jnp.split(side_by_side, (n, 2 * n, 3 * n), axis=1)
+    return mass, damping, stiffness, force[:, 0]
 
 
 @jit
