@@ -171,11 +171,6 @@ def _groups(form: str) -> list[_Group]:
     return [*groups[:-1], groups[-1]._replace(repeats=True)] if "..." in form else groups
 
 
-def first_parameter(form: str) -> str:
-    """Name of the first parameter of a form, or an empty text."""
-    return form.split()[0].strip("[]") if form else ""
-
-
 def parse(keyword: str, form: str, words: tuple[str, ...]) -> dict[str, Any]:
     """Parameters by name; a repeated one is a list, and a missing optional one is left out.
 

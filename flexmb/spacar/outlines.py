@@ -5,7 +5,6 @@ lies along local y, the second along local z. A circle has its diameter, and hol
 inner ones; this is our reading, since the predecessor's manual is not known.
 """
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ NONE = Material(E=1.0, G=0.5, rho=1.0)
 COUNTS = {"rect": 2, "recthol": 4, "circ": 1, "circhol": 2, "line": 0}
 
 
-def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
+def take(r: Reading) -> None:
     """Act on the lines with sizes once elements are declared; they no longer cause a warning."""
     effective: list[Statement] = []
     unchanged = list(r.drawn)
@@ -34,7 +33,7 @@ def take(r: Reading, blame: Callable[[Statement, str], None]) -> None:
         except AlreadyReported:
             continue
         except Fault as fault:
-            blame(group[PROPS], str(fault))
+            r.blame(group[PROPS], str(fault), "element")
             continue
         effective += group.values() if used else ()
         # Lines about elements without use for them, such as rigid ones, are kept unchanged.

@@ -26,11 +26,9 @@ from . import outlines, trajectories
 from . import series as series
 from .keywords import APPLY, DECLARE, DESCRIBE, DRAWN, KEYWORDS, REFUSED, ROWS, TABLE, UNKNOWN_MOTION, Row
 from .kinds import KINDS, ElementKind
-from .lines import BLOCKS, DRAWING, Fault, Statement, first_parameter, known, parse, placeholders, read_text, statements
-from .reading import AlreadyReported, Declared, Reading
+from .lines import BLOCKS, DRAWING, Fault, Statement, known, parse, placeholders, read_text, statements
+from .reading import MOST_FAULTS, AlreadyReported, Declared, EnoughFaults, Reading
 
-# A file of another kind has a fault in each line.
-MOST_FAULTS = 100
 SHOWN_LINES = 20
 
 
@@ -102,15 +100,14 @@ def read_spacar(
     callables, numbers = callables or {}, numbers or {}
     _check_arguments(callables, numbers)
     name, text = _source(path_or_text)
-    faults, r = _Faults(), Reading(dict(callables))
-    read_statements: list[Statement] = []
-    with contextlib.suppress(_Enough):
-        _read(r, statements(text, numbers), read_statements, faults)
-    if faults:
-        more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(faults) >= MOST_FAULTS)
-        raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(faults)), *more]))
+    r = Reading(dict(callables))
+    with contextlib.suppress(EnoughFaults):
+        _read(r, statements(text, numbers))
+    if r.faults:
+        more = [f"{name}: more than {MOST_FAULTS} faults; the others are not listed"] * (len(r.faults) >= MOST_FAULTS)
+        raise SpacarError("\n".join([*(f"{name}:{line}: {text}" for line, text in sorted(r.faults)), *more]))
     warnings = [f"{name}:{s.line}: {s.keyword}: {text}" for s, text in sorted(r.warnings, key=lambda w: w[0].line)]
-    parameters = placeholders(read_statements)
+    parameters = placeholders(r.statements)
     routines = {r.settings[keyword][0] for keyword in ("USERSIG", "USERINP") if keyword in r.settings}
     unused = [f"parameter '{printable(n)}'" for n in numbers if n not in parameters]
     unused += [f"user routine '{printable(n)}'" for n in callables if n not in routines]
@@ -140,65 +137,44 @@ def _source(path_or_text: str | os.PathLike) -> tuple[str, str]:
     return printable(Path(path_or_text).name), read_text(path_or_text)
 
 
-class _Enough(Exception):
-    """There are more faults than anyone reads."""
-
-
-class _Faults(list[tuple[int, str]]):
-    """Faults so far: line and text."""
-
-    def blame(self, s: Statement, text: str, form: str = "") -> None:
-        """Add a fault, with the node or element of its line."""
-        about = first_parameter(form)
-        if about == "number":
-            about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
-        if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
-            subject = f"{about} {printable(s.words[0])}"
-            text = f"{subject}: {text.removeprefix(subject).lstrip()}"
-        self.append((s.line, f"{printable(s.keyword)}: {text}"))
-        if len(self) >= MOST_FAULTS:
-            raise _Enough
-
-
-def _read(r: Reading, lines: Iterator[Statement], read_statements: list[Statement], faults: _Faults) -> None:
-    """Act on all lines, in the order in which they depend on each other, and append them to ``read_statements``."""
-    placed = list(_Blocks(r, faults).rows(lines, read_statements))
+def _read(r: Reading, lines: Iterator[Statement]) -> None:
+    """Act on all lines, in the order in which they depend on each other."""
+    placed = list(_Blocks(r).rows(lines))
     for stage in (DECLARE, DESCRIBE):
-        _run(r, placed, stage, faults)
-    outlines.take(r, lambda s, text: faults.blame(s, text, "element"))
-    _build(r, faults)
-    _run(r, placed, APPLY, faults)
-    _connect_signals(r, faults)
-    if not faults:
-        trajectories.check_trajectories(r, faults.blame)
-    if not faults:
-        _check_clamps(r, faults)
+        _run(r, placed, stage)
+    outlines.take(r)
+    _build(r)
+    _run(r, placed, APPLY)
+    _connect_signals(r)
+    if not r.faults:
+        trajectories.check_trajectories(r)
+    if not r.faults:
+        _check_clamps(r)
     for number, declared in r.elements.items():
         if (member := r.builder.members.get(str(number))) is not None:
             for text in _without_effect(number, declared.kind, member, r.lines.get(number, {})):
                 r.warn(declared.statement, text)
     _warn_of_expansion(r)
     _warn_of_drawing(r)
-    if not r.elements and not faults:
-        problem = "has no element" if read_statements else "is empty"
-        faults.append((1, f"file {problem}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
+    if not r.elements and not r.faults:
+        problem = "has no element" if r.statements else "is empty"
+        r.faults.append((1, f"file {problem}; it needs at least one, such as {KINDS[0].keyword} {KINDS[0].form}"))
 
 
 class _Blocks:
     """The place of a line in the file: in a block, after END, or in the visualization section."""
 
-    def __init__(self, r: Reading, faults: _Faults):
-        self.reading, self.faults = r, faults
-        self.block, self.ends, self.drawing = 0, 0, False
+    def __init__(self, r: Reading):
+        self.reading, self.block, self.ends, self.drawing = r, 0, 0, False
 
-    def rows(self, lines: Iterator[Statement], read_statements: list[Statement]) -> Iterator[tuple[Row, Statement]]:
+    def rows(self, lines: Iterator[Statement]) -> Iterator[tuple[Row, Statement]]:
         """Rows of the keyword table for lines that have one; other lines are handled here."""
         for s in lines:
-            read_statements.append(s)
+            self.reading.statements.append(s)
             try:
                 row = self._row(s)
             except Fault as fault:
-                self.faults.blame(s, str(fault), _form(s.keyword))
+                self.reading.blame(s, str(fault), _form(s.keyword))
                 if _may_declare(s.keyword):
                     self.reading.excused |= s.numbers
                 if _similar_keyword(s.keyword) == "SECTION":
@@ -206,8 +182,8 @@ class _Blocks:
             else:
                 if row is not None:
                     yield row, s
-        if read_statements and self.ends < 2:
-            last = Statement(read_statements[-1].line, "END", "END")
+        if self.reading.statements and self.ends < 2:
+            last = Statement(self.reading.statements[-1].line, "END", "END")
             text = f"{2 - self.ends} END missing at the end; flexmb reads the file as if it were there"
             self.reading.warn(last, text)
 
@@ -235,7 +211,7 @@ class _Blocks:
         if self.block + 1 == len(BLOCKS):
             raise Fault(f"announces another block, but none is known after {BLOCKS[-1]}")
         if self.ends != 1:
-            self.faults.blame(s, "must follow the END of a block" if not self.ends else "stands after the last END")
+            self.reading.blame(s, "must follow the END of a block" if not self.ends else "stands after the last END")
         self.block, self.ends = self.block + 1, 0
 
     def _resume(self, s: Statement) -> None:
@@ -243,7 +219,7 @@ class _Blocks:
         later = [i for i in range(self.block + 1, len(BLOCKS)) if BLOCKS[i] in _homes(s.keyword)]
         if self.ends > 1 or not later:
             raise Fault("comes after END; only HALT and a later block, or a VISUALIZATION section, may follow")
-        self.faults.blame(s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
+        self.reading.blame(s, f"HALT is missing before the {BLOCKS[later[0]]} block", _form(s.keyword))
         self.block, self.ends = later[0], 0
 
 
@@ -279,7 +255,7 @@ def _row(s: Statement, block: str) -> Row:
     raise Fault("unknown keyword" + (f"; did you mean {similar}?" if similar else ""))
 
 
-def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _Faults) -> None:
+def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int) -> None:
     """Act on the lines of one stage."""
     for row, s in placed:
         if row.stage != stage:
@@ -289,7 +265,7 @@ def _run(r: Reading, placed: list[tuple[Row, Statement]], stage: int, faults: _F
         except AlreadyReported:
             pass
         except (Fault, ModelError) as fault:
-            faults.blame(s, _without_name(str(fault)), row.form)
+            r.blame(s, _without_name(str(fault)), row.form)
             if stage == DECLARE:
                 r.excused |= s.numbers
             elif row.action is act.position:
@@ -303,7 +279,7 @@ def _without_name(text: str) -> str:
     return re.sub(r"^Element '\d+' (\(\w+\) )?", "", text)
 
 
-def _build(r: Reading, faults: _Faults) -> None:
+def _build(r: Reading) -> None:
     """Add nodes in the order of their numbers, then elements in the order of the file."""
     first = next(iter(r.elements.values()), None)
     r.builder.dimension = first.kind.dimension if first else None
@@ -335,7 +311,7 @@ def _build(r: Reading, faults: _Faults) -> None:
             r.builder.add(element, *_names_of_nodes(r, declared), name=str(number), released=(), **properties)
         except (Fault, ModelError) as fault:
             if r.misplaced.isdisjoint(declared.nodes):
-                faults.blame(declared.statement, _without_name(str(fault)), kind.form)
+                r.blame(declared.statement, _without_name(str(fault)), kind.form)
 
 
 def _names_of_nodes(r: Reading, declared: Declared) -> list[str]:
@@ -365,7 +341,7 @@ def _check_rigid(r: Reading, declared: Declared) -> None:
             raise Fault(f"has zero length: its two ends have the same position; {pin} joins coincident nodes")
 
 
-def _check_clamps(r: Reading, faults: _Faults) -> None:
+def _check_clamps(r: Reading) -> None:
     """Report at its line if clamped ends of a leaf spring cannot be found."""
     members = r.builder.members.values()
     if not is_concrete(([n.start for n in r.builder.nodes.values()], [m.properties for m in members])):
@@ -375,7 +351,7 @@ def _check_clamps(r: Reading, faults: _Faults) -> None:
             with_clamps(r.builder, None)
     except ModelError as fault:
         declared = r.elements[int(re.findall(r"'(\d+)'", str(fault))[0])]
-        faults.blame(declared.statement, re.sub(r"^Element '\d+': ", "", str(fault)), declared.kind.form)
+        r.blame(declared.statement, re.sub(r"^Element '\d+': ", "", str(fault)), declared.kind.form)
 
 
 def _without_effect(number: int, kind: ElementKind, member: Member, lines: dict[str, Any]) -> Iterator[str]:
@@ -416,12 +392,12 @@ def _warn_of_drawing(r: Reading) -> None:
         r.warn(r.drawn[0], text)
 
 
-def _connect_signals(r: Reading, faults: _Faults) -> None:
+def _connect_signals(r: Reading) -> None:
     """Add inputs and outputs in the order of their numbers, which must be complete."""
     for side, signals in r.signals.items():
         for place, (number, (s, add)) in enumerate(sorted(signals.items()), 1):
             if number > place and place not in signals:
-                faults.blame(s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
+                r.blame(s, f"{side} {place} is missing; {side}s are numbered from 1 without gap", "number")
                 break
             if add is not None:
                 add()

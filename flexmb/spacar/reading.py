@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from ..build.builder import Builder
 from ..display import among
 from ..elements.nodes import NodeKind
+from ..errors import printable
 from ..model.roles import Role
 from . import series as series
 from .kinds import ElementKind
@@ -16,6 +17,14 @@ from .lines import Fault, Statement
 SIDES = ("input", "output", "nominal input", "reference output")
 # What the numbers of a node and of an element count.
 NOUNS = {"node": "coordinate", "element": "deformation"}
+
+
+# A file of another kind has a fault in each line.
+MOST_FAULTS = 100
+
+
+class EnoughFaults(Exception):
+    """There are more faults than anyone reads."""
 
 
 class AlreadyReported(Exception):
@@ -100,6 +109,8 @@ class Reading:
         outlines: Sizes of cross-sections by element, from CROSSDIM.
         drawn: Lines for drawing.
         warnings: Lines with their warnings.
+        statements: Lines so far.
+        faults: Faults so far, by the number of their line.
     """
 
     callables: Mapping[str, Callable[..., Any]]
@@ -120,10 +131,24 @@ class Reading:
     outlines: dict[int, Any] = dataclasses.field(default_factory=dict)
     drawn: list[Statement] = dataclasses.field(default_factory=list)
     warnings: list[tuple[Statement, str]] = dataclasses.field(default_factory=list)
+    statements: list[Statement] = dataclasses.field(default_factory=list)
+    faults: list[tuple[int, str]] = dataclasses.field(default_factory=list)
 
     def warn(self, statement: Statement, text: str) -> None:
         """Note a warning about a line."""
         self.warnings.append((statement, text))
+
+    def blame(self, s: Statement, text: str, form: str = "") -> None:
+        """Note a fault, with the node or element of its line."""
+        about = form.split()[0].strip("[]") if form else ""
+        if about == "number":
+            about = "input" if s.keyword.startswith(("IN", "NOM")) else "output"
+        if about in ("node", "element", "input", "output") and s.words and s.words[0].isdecimal():
+            subject = f"{about} {printable(s.words[0])}"
+            text = f"{subject}: {text.removeprefix(subject).lstrip()}"
+        self.faults.append((s.line, f"{printable(s.keyword)}: {text}"))
+        if len(self.faults) >= MOST_FAULTS:
+            raise EnoughFaults
 
     def once(self, statement: Statement, *key: Any) -> None:
         """Refuse a second statement."""

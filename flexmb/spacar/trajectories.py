@@ -1,6 +1,5 @@
 """Inputs and outputs of SPACAR input files, and trajectories (our own keywords) with their signals and laws of time."""
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import jax
@@ -170,7 +169,7 @@ def channel(r: Reading, s: Statement, p: dict[str, Any]) -> None:
     r.signals[side_of(s.keyword)][p["number"]] = s, lambda: r.settings.setdefault(s.keyword, []).append(signal_channel)
 
 
-def check_trajectories(r: Reading, blame: Callable[[Statement, str, str], None]) -> None:
+def check_trajectories(r: Reading) -> None:
     """Report contradictions between lines about trajectories, once all have been read."""
     for keyword, rates in zip(WAYS, ("INPUTX", "INPUTE"), strict=True):
         about = "node" if keyword == "TRAJX" else "element"
@@ -178,18 +177,18 @@ def check_trajectories(r: Reading, blame: Callable[[Statement, str, str], None])
             first = r.given.get((keyword, owner, component))
             if first is not None and any(not is_zero(rate) for rate in values):
                 line = r.given[rates, owner, component].line
-                blame(first, f"moves by the velocity or acceleration of {rates} on line {line} already", about)
+                r.blame(first, f"moves by the velocity or acceleration of {rates} on line {line} already", about)
     nominal, outputs = r.signals["nominal input"], r.signals["reference output"]
     if nominal and not outputs:
         text = "there is no output that follows the trajectory: name one with REFX, REFE and the like"
-        blame(nominal[min(nominal)][0], text, "number")
+        r.blame(nominal[min(nominal)][0], text, "number")
     for keyword, way in zip(NOMINAL, WAYS, strict=True):
         kind = "node" if keyword == "NOMF" else "element"
         for number, owner, component, _ in r.settings.get(keyword, []):
             role = None if component in AXES else r.entries(owner, [component], kind)[0]
             if role is Role.PRESCRIBED and (way, owner, component) not in r.given:
                 text = f"is prescribed without a motion, so nothing is driven: give its motion by {way}"
-                blame(nominal[number][0], text, "number")
+                r.blame(nominal[number][0], text, "number")
 
 
 # Limits of an S-curve over a distance of 1 in a time of 1. It accelerates in the first third and decelerates in the
