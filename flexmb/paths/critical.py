@@ -21,12 +21,11 @@ from .stepper import (
     Direction,
     Plane,
     Point,
-    Ramp,
     Scale,
     begins_undeformed,
     direction_of,
+    factors_at,
     load_response,
-    ramp_of,
     scale_of,
     tangent_at,
     unit,
@@ -118,28 +117,25 @@ def null_vectors(
     return jax.lax.fori_loop(0, 4, turn, begin)
 
 
-def begin_path(
-    topology: Topology, parameters: Parameters
-) -> tuple[Ramp, Point, Direction, Scale, State, Int[Array, ""]]:
-    """Ramp, point, unit tangent with rising load, scale and state at load factor zero, and a code of RESULTS."""
-    ramp = ramp_of(topology, parameters)
+def begin_path(topology: Topology, parameters: Parameters) -> tuple[Point, Direction, Scale, State, Int[Array, ""]]:
+    """Point, unit tangent with rising load, scale and state at load factor zero, and a code of RESULTS."""
     zero = jnp.array(0.0)
+    factors = factors_at(parameters, zero)
     if not begins_undeformed(topology, parameters):
-        at, last_strain, result, *_ = solve_state(topology, parameters, ramp.at(zero))
+        at, last_strain, result, *_ = solve_state(topology, parameters, factors)
         x, last_strain = jax.lax.stop_gradient((at.x, last_strain))
     else:
         x, last_strain, result = parameters.reference, zero_strain(topology), jnp.zeros((), jnp.int32)
-    at = state(topology, parameters, ramp.at(zero), x, last_strain)
+    at = state(topology, parameters, factors, x, last_strain)
     point = Point(x, last_strain, at.e, zero, jnp.zeros(0))
     regular = at.transfer.regular
     result = jnp.where((result == RESULTS.successful) & ~regular, RESULTS.singular_configuration, result)
-    rising = Plane(jnp.zeros(topology.n_x), jnp.array(1.0))
-    tangent = tangent_at(topology, parameters, ramp, at, rising)
+    onto, by_load = load_response(topology, parameters, at)
+    tangent = tangent_at(at, onto, by_load, Plane(jnp.zeros(topology.n_x), jnp.array(1.0)))
     # A hanging body has no stiffness without stress: motions without stiffness do not move at first.
-    onto, by_load = load_response(topology, parameters, ramp, at)
     dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=NO_FLEXIBILITY) @ by_load
     resting = direction_of(at, onto + at.transfer.DFx @ dq, jnp.array(1.0))
     finite = jnp.all(jnp.isfinite(tangent.x))
     tangent = jax.tree.map(lambda a, b: jnp.where(finite, a, b), tangent, resting)
     scale = scale_of(topology, parameters, tangent)
-    return ramp, point, unit(scale, tangent), scale, at, result.astype(jnp.int32)
+    return point, unit(scale, tangent), scale, at, result.astype(jnp.int32)

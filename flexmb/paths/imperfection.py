@@ -26,7 +26,6 @@ from ..numerical_limits import ALLOWED_STATE, LARGEST_ALIKE, SMALL_MOTION
 from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure
 from ..statics.tangent import at_state, unknowns
-from .stepper import scales_increment
 
 # Places along an element, quarters and halves included.
 PLACES = np.linspace(0.0, 1.0, 33)
@@ -145,7 +144,7 @@ def _growing_from_zero(model: Model) -> Model:
     from the begin.
     """
     parameters, top = model.parameters, model.topology
-    if scales_increment(top, parameters):
+    if parameters.increment is not None:
         return model
     blocks = tuple(
         block

@@ -1,6 +1,7 @@
 """Limit load: the first limit point of a path, with the derivative of its load."""
 
 import functools
+from collections.abc import Callable
 from typing import Any, Literal, NamedTuple
 
 import jax
@@ -29,16 +30,17 @@ from .stepper import (
     DENSE_PATH,
     SHORTER,
     Direction,
-    PathForm,
     Plane,
     Point,
-    Ramp,
+    Predictor,
     Scale,
+    Stepped,
+    factors_at,
+    first_step,
     is_acceptable,
     load_response,
     next_length,
     normal_to,
-    ramp_of,
     scale_of,
     step_along,
     unit,
@@ -65,15 +67,7 @@ class _Approach(NamedTuple):
 
 
 def _step_past_limit(
-    form: PathForm,
-    topology: Topology,
-    parameters: Parameters,
-    ramp: Ramp,
-    scale: Scale,
-    point: Point,
-    tangent: Direction,
-    first: Float[Array, ""],
-    max_steps: Int[Array, ""],
+    advance: Callable[..., Stepped], scale: Scale, point: Point, tangent: Direction, first: Any, max_steps: Any
 ) -> _Approach:
     """Steps until the next one, ``step`` of the result, passes a limit point."""
 
@@ -81,7 +75,7 @@ def _step_past_limit(
         motion = jnp.max(jnp.abs(w.tangent.x) / scale.sizes, initial=0.0)
         most = jnp.maximum(first, 0.1 * jnp.abs(w.point.load))
         step = jnp.minimum(w.step, jnp.minimum(LARGEST_MOTION / motion, most / jnp.abs(w.tangent.load)))
-        new = step_along(form, topology, parameters, ramp, scale, w.point, w.tangent, step, normal_to(scale, w.tangent))
+        new = advance(w.point, w.tangent, step, normal_to(scale, w.tangent))
         good = is_acceptable(new.converged, new.cosine)
         passed = good & (new.tangent.load <= 0)
         on = good & ~passed
@@ -101,33 +95,32 @@ def _step_past_limit(
 
 
 def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
-    """Ramp, point, unit tangent, scale and code of RESULTS at the begin of a path."""
+    """Point, unit tangent, scale and code of RESULTS at the begin of a path."""
     if not in_coordinates:
-        ramp, point, tangent, scale, _, result = begin_path(topology, parameters)
-        return ramp, point, tangent, scale, result
-    ramp = ramp_of(topology, parameters)
-    at = search_in_coordinates(topology, parameters, ramp.base)
+        point, tangent, scale, _, result = begin_path(topology, parameters)
+        return point, tangent, scale, result
+    at = search_in_coordinates(topology, parameters, factors_at(parameters, 0.0))
     point = Point(at.x, at.near, at.near, jnp.array(0.0), at.multipliers)
-    still = Direction(0 * at.x, 0 * at.near, jnp.array(0.0), 0 * at.multipliers)
-    sizes = coordinate_scales(topology, parameters)
-    rising = Plane(0 * at.x, jnp.array(1.0))
-    alike = Scale(sizes, jnp.ones_like(sizes))
-    new = step_along(SPARSE_PATH, topology, parameters, ramp, alike, point, still, jnp.array(0.0), rising)
+    new = step_along(SPARSE_PATH, topology, parameters, *first_step(coordinate_scales(topology, parameters), point))
     scale = scale_of(topology, parameters, new.tangent)
     # A hanging body has no stiffness without stress.
     why = jnp.where(new.failure == RESULTS.out_of_memory, new.failure, RESULTS.singular_stiffness)
     converged = (at.result == RESULTS.successful) | (at.result == RESULTS.critical_state)
     result = jnp.where(converged, jnp.where(new.converged, RESULTS.successful, why), at.result)
-    return ramp, point, unit(scale, new.tangent), scale, result
+    return point, unit(scale, new.tangent), scale, result
 
 
 def _find_limit(
     topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""], in_coordinates: bool
 ) -> _Limit:
     form = SPARSE_PATH if in_coordinates else DENSE_PATH
-    ramp, point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
+    point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
+
+    def advance(*arguments: Any):
+        return step_along(form, topology, parameters, scale, Predictor(*arguments))
+
     most = jnp.where(result == RESULTS.successful, max_steps, 0)
-    before = _step_past_limit(form, topology, parameters, ramp, scale, point, tangent, first, most)
+    before = _step_past_limit(advance, scale, point, tangent, first, most)
     plane = normal_to(scale, before.tangent)
 
     def unfinished(bracket: tuple[Any, ...]):
@@ -139,7 +132,7 @@ def _find_limit(
         low, low_rate, high, high_rate, last, place, _, turn, _ = bracket
         share = jnp.clip(low_rate / (low_rate - high_rate), 0.0, 1.0)
         middle = low + share * (high - low)
-        new = step_along(form, topology, parameters, ramp, scale, before.point, before.tangent, middle, plane)
+        new = advance(before.point, before.tangent, middle, plane)
         rate = new.tangent.load
         rising = rate > 0
         # Illinois method: halve the value of an end that stays twice, so that both ends approach.
@@ -156,7 +149,7 @@ def _find_limit(
             new.point,
         )
 
-    end = step_along(form, topology, parameters, ramp, scale, before.point, before.tangent, before.step, plane)
+    end = advance(before.point, before.tangent, before.step, plane)
     rate, zero, none = end.tangent.load, jnp.array(0.0), jnp.zeros((), jnp.int32)
     bracket = (zero, before.tangent.load, before.step, rate, rate, before.step, jnp.array(jnp.inf), none, end.point)
     *_, rate, _, _, _, limit_point = jax.lax.while_loop(unfinished, narrower, bracket)
@@ -192,13 +185,13 @@ def _limit_load_jvp(in_coordinates: bool, primals: tuple[Any, ...], tangents: tu
 
 
 def _change_in_freedoms(topology: Topology, parameters: Parameters, limit: _Limit, tangents: Any):
-    ramp, (x, last_strain, *_) = ramp_of(topology, parameters), limit.point
-    target = ramp.at(limit.load)
+    x, last_strain, *_ = limit.point
+    target = factors_at(parameters, limit.load)
     at = state(topology, parameters, target, x, last_strain)
     still = jax.tree.map(jnp.zeros_like, target)
     changes = change_of_equations(topology, at, last_strain, (parameters, target), (tangents, still))
     _, by_parameter = reduced_response(topology, at, *changes)
-    _, by_load = load_response(topology, parameters, ramp, at)
+    _, by_load = load_response(topology, parameters, at)
     tiny = 1e-12 * jnp.max(jnp.abs(at.K0), initial=0.0)
     _, psi = null_vectors(topology, at, coordinate_scales(topology, parameters), tiny)
     return -(psi @ by_parameter) / (psi @ by_load)
@@ -206,15 +199,14 @@ def _change_in_freedoms(topology: Topology, parameters: Parameters, limit: _Limi
 
 def _change_in_coordinates(topology: Topology, parameters: Parameters, limit: _Limit, tangents: Any):
     """:func:`_change_in_freedoms` in coordinates; the left vector has psi^T dr/d(load) = 1."""
-    ramp, point = ramp_of(topology, parameters), limit.point
-    zero: Any = jnp.zeros((), jnp.int32)
-    at = Balanced(point.x, point.multipliers, point.near, zero, zero)
+    point, factors = limit.point, factors_at(parameters, limit.load)
+    at = Balanced(point.x, point.multipliers, point.near)
 
     def lacking(parameters: Parameters):
-        return lacking_at(topology, parameters, ramp.at(limit.load), point.near, at)
+        return lacking_at(topology, parameters, factors, point.near, at)
 
     _, change = jvp_of_varied(lacking, (parameters,), (tangents,))
-    return -left_null_vector(topology, parameters, ramp, point, limit.plane) @ change
+    return -left_null_vector(topology, parameters, point, limit.plane) @ change
 
 
 _limit_load.defjvp(_limit_load_jvp, symbolic_zeros=True)

@@ -7,14 +7,9 @@ import numpy as np
 from ..arguments import check_whole
 from ..display import AT_MOST, States, Summary, course, short
 from ..linear.linearize import Stressed
-from ..mechanics.loads import LoadFactors, load_factors
-from ..model.model import Model
+from ..mechanics.loads import LoadFactors
 from ..results import outcome_text
-
-
-def factors_of(model: Model, load: Any) -> LoadFactors:
-    """Load factors of a state: a path scales the incremental loads, or all without any."""
-    return load_factors(load, 0.0) if model.parameters.increment is None else load_factors(1.0, load)
+from .stepper import factors_at
 
 
 class OverLoad:
@@ -36,7 +31,7 @@ class OverLoad:
 
     def factors(self: Any, step: int) -> LoadFactors:
         """Load factors of the constant and of the incremental loads at one step."""
-        return factors_of(self.model, self.load_factor[step])
+        return factors_at(self.model.parameters, self.load_factor[step])
 
     def stressed(self: Any) -> Stressed:
         """What stress of all steps is computed from."""

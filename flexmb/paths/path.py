@@ -38,10 +38,10 @@ from ..statics.equilibrium import check_stiffness
 from ..statics.solver_choice import asked_solver, by_sparse, is_large, known_solver
 from .critical import CriticalPoint
 from .imperfection import bent_by_modes
-from .over_load import OverLoad, factors_of
+from .over_load import OverLoad
 from .sparse_path import SparsePath, path_of
 from .sparse_walk import SparseEquations
-from .stepper import Ramp
+from .stepper import factors_at
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
@@ -120,7 +120,7 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         linearizations = []
         for point in self.critical_points:
             last_strain = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
-            factors = factors_of(self.model, point.load_factor)
+            factors = factors_at(self.model.parameters, point.load_factor)
             linearizations.append(
                 _look_at(self.model.topology, self.model.parameters, factors, jax.device_put(point.x), last_strain)
             )
@@ -151,9 +151,9 @@ def _with_complex(state: _PathState, step: Step) -> _PathState:
 
 
 @kernel
-def _look(topology: Topology, parameters: Parameters, ramp: Ramp, step: Step) -> _PathState:
+def _look(topology: Topology, parameters: Parameters, step: Step) -> _PathState:
     point = step.point
-    factors = ramp.at(point.load)
+    factors = factors_at(parameters, point.load)
     at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
     matrices = matrices_at(topology, parameters, factors, at, step.corrections, jnp.zeros((), jnp.int32))
     multipliers = multipliers_of(
@@ -310,7 +310,7 @@ def _dense_path(
     """The path, and the walk that found it."""
 
     def found_at(step: Step) -> _PathState:
-        return _look(model.topology, model.parameters, walker.ramp, step)
+        return _look(model.topology, model.parameters, step)
 
     def state_at(step: Step) -> Linearization:
         return Linearization(found_at(step).matrices, model)

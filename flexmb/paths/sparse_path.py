@@ -19,8 +19,8 @@ from ..results import RESULTS
 from ..statics.sparse import acting
 from .critical import CriticalPoint
 from .over_load import OverLoad
-from .sparse_walk import SparseEquations, as_arrays
-from .stepper import Ramp
+from .sparse_walk import SparseEquations
+from .stepper import factors_at
 from .walk import Step, Walker
 
 # Attributes of dense paths and linearisations.
@@ -119,38 +119,28 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
         return self if self.critical_states is None else self.critical_states
 
 
-def _states_at(equations: SparseEquations, ramp: Ramp, steps: list[Step], critical: bool = False) -> dict[str, Any]:
+def _states_at(equations: SparseEquations, steps: list[Step], critical: bool = False) -> dict[str, Any]:
     """Attributes of a path for steps of its walk; ``critical`` points are not stable."""
     topology, parameters = equations.parts
     points = [s.point for s in steps]
     x, e = np.stack([point.x for point in points]), np.stack([point.strained for point in points])
-    sigma = np.stack([equations.sigma(ramp, point) for point in points])
-    inertial_loads, reactions, external = zip(
-        *(
-            acting(topology, parameters, as_arrays(ramp.at(point.load)), point.x, deformed, stressed)
-            for point, deformed, stressed in zip(points, e, sigma, strict=True)
-        ),
-        strict=True,
-    )
-    gravity = (
-        None
-        if inertial_loads[0].gravity is None
-        else jax.device_put(np.stack([load.gravity for load in inertial_loads]))
-    )
+    sigma = np.stack([equations.sigma(point) for point in points])
+    states = [(factors_at(parameters, point.load), *at) for point, *at in zip(points, x, e, sigma, strict=True)]
+    forces = [acting(topology, parameters, *at) for at in states]
+    felt, reactions, external = jax.tree.map(lambda *a: jax.device_put(np.stack(a)), *forces)
     values, below = np.stack([s.values for s in steps]), np.array([int(s.below) for s in steps])
     stable = np.all(values > 0, axis=1) & (below == 0) & (not critical)
     if equations.unsymmetric:
         for i in np.flatnonzero(stable):
-            at = as_arrays(ramp.at(points[i].load)), x[i], e[i], sigma[i]
-            stable[i] = is_steady(moving_element_matrices(topology, parameters, *at))
+            stable[i] = is_steady(moving_element_matrices(topology, parameters, *states[i]))
     return dict(
         load_factor=jax.device_put(np.array([s.load for s in steps])),
         x=jax.device_put(x),
         e=jax.device_put(e),
         sigma=jax.device_put(sigma),
-        felt=InertialLoad(gravity),
-        reactions=jax.device_put(np.stack(reactions)),
-        external=jax.device_put(np.stack(external)),
+        felt=felt,
+        reactions=reactions,
+        external=external,
         critical_values=values,
         negative=below + np.sum(values < 0, axis=1),
         stable=stable,
@@ -168,7 +158,7 @@ def path_of(
     }
     critical_path = None
     if walker.critical_steps:
-        critical = _states_at(equations, walker.ramp, walker.critical_steps, critical=True)
+        critical = _states_at(equations, walker.critical_steps, critical=True)
         critical_path = SparsePath(**critical, **shared, critical_states=None)
-    states = _states_at(equations, walker.ramp, steps)
+    states = _states_at(equations, steps)
     return SparsePath(**states, **shared, critical_states=critical_path, stopped_by=walker.ended or None)

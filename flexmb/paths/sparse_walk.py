@@ -18,7 +18,7 @@ from ..math.linear import uneven
 from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import coordinate_scales
-from ..mechanics.loads import LoadFactors, lacks_potential, nodal_forces
+from ..mechanics.loads import lacks_potential, nodal_forces
 from ..model.model import Model
 from ..model.parameters import Parameters
 from ..model.topology import Topology
@@ -28,8 +28,8 @@ from ..statics.newton_search import Iterate, prescribed_values
 from ..statics.sparse import TurnInCoordinates, balanced, elements_times
 from ..statics.tangent import Assembled, elastic_stress, unknowns
 from .sparse_critical import critical_values_of, shifted, value_of_determinant
-from .stepper import Direction, Move, PathForm, Plane, Point, Ramp, Scale, ramp_of, step_along
-from .walk import Step, begin_at
+from .stepper import Direction, Move, PathForm, Plane, Point, Predictor, Scale, factors_at, step_along
+from .walk import Step, begin_at, unloaded_point
 
 
 class InCoordinates:
@@ -39,21 +39,21 @@ class InCoordinates:
         by_load: Derivative of the equations by the load factor, (n + h,).
     """
 
-    def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
+    def __init__(self, topology: Topology, parameters: Parameters, point: Point):
         (free, fast, constrained), x, strained = unknowns(topology), point.x, point.strained
 
         def at_load(load: Float[Array, ""]):
-            factors = ramp.at(load)
-            stress = elastic_stress(topology, parameters, factors, strained)
-            return (
-                *prescribed_values(topology, parameters, factors),
-                stress,
+            factors = factors_at(parameters, load)
+            stress, forces = (
+                elastic_stress(topology, parameters, factors, strained),
                 nodal_forces(topology, parameters, factors, x),
             )
+            return *prescribed_values(topology, parameters, factors), stress, forces
 
         (*prescribed, _, _), (moving, growing, by_stress, by_force) = jax.jvp(at_load, (point.load,), (jnp.ones(()),))
         trial = Iterate(x, point.near, strained, point.multipliers)
-        self._turn = turn = TurnInCoordinates(topology, parameters, ramp.at(point.load), trial, prescribed)
+        factors = factors_at(parameters, point.load)
+        self._turn = turn = TurnInCoordinates(topology, parameters, factors, trial, prescribed)
         self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
         self.following = put(jnp.zeros(topology.n_x), fast, moving[fast])
         rising = elements_times(topology.n_x, turn.transposed, put(by_stress, constrained, 0.0)) - by_force
@@ -66,21 +66,21 @@ class InCoordinates:
         corner = plane.load + plane.x @ self.following
         return self.by_load, row, corner, jnp.asarray(plane.stiffness, float)
 
-    def move(self, factored: ElementMatrices, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+    def move(self, factored: Any, plane: Plane, sizes: Any, share: Any, distance: Any, idle: Any) -> Move:
         """See :class:`flexmb.paths.stepper.PathEquations`."""
         right, n = share * self._turn.right, self.last.unknowns[0]
         shapes = tuple(jax.ShapeDtypeStruct(*like) for like in ((right.shape, float), ((), float), ((), np.int32)))
         host = functools.partial(on_host_thread, _move)
-        z, load, failure = call_host(host, shapes, factored, *self.bordering(plane), right, -distance, idle)
+        z, load, failure = call_host(host, shapes, factored, self.bordering(plane), right, -distance, idle)
         return Move(self._turn.spread(z[:n]), z[n:], load, failure)
 
 
 SPARSE_PATH = PathForm(InCoordinates, reuses=True)
 
 
-def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> Bordered:
+def _bordered(elements: ElementMatrices, border: tuple[Any, ...]) -> Bordered:
     """Factors of the bordered equations, by NumPy and SciPy alone."""
-    assembled = AssembledEquations(elements)
+    assembled, (column, row, corner, stiffness) = AssembledEquations(elements), border
     tangent = assembled.at()
     if stiffness:
         factored = shifted(tangent, float(stiffness), elements.sizes[elements.free])
@@ -89,15 +89,13 @@ def _bordered(elements: ElementMatrices, column: Any, row: Any, corner: Any, sti
     return Bordered(tangent, factored, column, row, float(corner))
 
 
-def _move(
-    elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any, right: Any, last: Any, idle: Any
-):
+def _move(elements: ElementMatrices, border: tuple[Any, ...], right: Any, last: Any, idle: Any):
     """Solution of the bordered equations and a code of RESULTS, by NumPy and SciPy alone."""
     why = RESULTS.successful
     if not idle:
         why = RESULTS.singular_configuration
         try:
-            bordered = _bordered(elements, column, row, corner, stiffness)
+            bordered = _bordered(elements, border)
             if bordered.regular:
                 z, load = bordered.solve(right, float(last))
                 return z, np.array(load), np.array(RESULTS.successful, np.int32)
@@ -106,40 +104,28 @@ def _move(
     return np.full_like(right, np.nan), np.array(np.nan), np.array(why, np.int32)
 
 
-def _left_null(elements: ElementMatrices, column: Any, row: Any, corner: Any, stiffness: Any) -> tuple[np.ndarray]:
-    bordered = _bordered(elements, column, row, corner, stiffness)
-    return (bordered.left() if bordered.regular else np.full_like(column, np.nan),)
+def _left_null(elements: ElementMatrices, border: tuple[Any, ...]) -> tuple[np.ndarray]:
+    bordered = _bordered(elements, border)
+    return (bordered.left() if bordered.regular else np.full_like(border[0], np.nan),)
 
 
-def left_null_vector(
-    topology: Topology, parameters: Parameters, ramp: Ramp, point: Point, plane: Plane
-) -> Float[Array, "r"]:
+def left_null_vector(topology: Topology, parameters: Parameters, point: Point, plane: Plane) -> Float[Array, "r"]:
     """Vector y of [0, 1] = [y, w] [K, r_load; plane]: at a limit point w is zero, and y the left null vector."""
-    scale = Scale(coordinate_scales(topology, parameters), jnp.ones(topology.n_x))
-    at = InCoordinates(topology, parameters, ramp, scale, point)
+    at = InCoordinates(topology, parameters, point)
     like = (jax.ShapeDtypeStruct(at.by_load.shape, float),)
-    known = jax.lax.stop_gradient((at.last, *at.bordering(plane)))
+    known = jax.lax.stop_gradient((at.last, at.bordering(plane)))
     return call_host(functools.partial(on_host_thread, _left_null), like, *known)[0]
 
 
 @kernel
-def _step(
-    topology: Topology,
-    parameters: Parameters,
-    ramp: Ramp,
-    scale: Scale,
-    begin: Point,
-    direction: Direction,
-    length: Float[Array, ""],
-    plane: Plane,
-):
-    return step_along(SPARSE_PATH, topology, parameters, ramp, scale, begin, direction, length, plane)
+def _step(topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor):
+    return step_along(SPARSE_PATH, topology, parameters, scale, predictor)
 
 
 @kernel
-def _at(topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
+def _at(topology: Topology, parameters: Parameters, point: Point):
     """Element matrices at a state, derivatives by the load factor of the equations and of following coordinates."""
-    at = InCoordinates(topology, parameters, ramp, scale, point)
+    at = InCoordinates(topology, parameters, point)
     return at.last, at.by_load, at.following
 
 
@@ -161,18 +147,13 @@ class SparseEquations:
         # Near the motions of the last critical values.
         self._soft = np.zeros(len(self.free))
 
-    def begin(self) -> tuple[Ramp, Scale, Step, Any]:
+    def begin(self) -> tuple[Scale, Step, Any]:
         """See :class:`flexmb.paths.walk.WalkEquations`."""
-        topology, parameters = self.parts
-        ramp: Any = jax.device_get(ramp_of(topology, parameters))
-        code, none = RESULTS.singular_stiffness, np.zeros(topology.n_e)
-        state: Any = np.asarray(parameters.reference), none, none, np.zeros(()), np.zeros(len(self.held))
-        start = Point(*state)
+        code, start = RESULTS.singular_stiffness, unloaded_point(*self.parts, len(self.held))
         try:
-            at = balanced(topology, parameters, ramp_of(topology, parameters).base)
-            state = (*jax.device_get((at.x, at.near, at.near)), np.zeros(()), np.asarray(at.multipliers))
-            start = Point(*state)
-            begin = begin_at(self, ramp, start)
+            at = jax.device_get(balanced(*self.parts, factors_at(self.model.parameters, 0.0)))
+            start = start._replace(x=at.x, near=at.near, strained=at.near, multipliers=at.multipliers)
+            begin = begin_at(self, start)
             if begin is not None:
                 return begin
         except AnalysisError as fault:
@@ -181,11 +162,11 @@ class SparseEquations:
         still = Direction(0 * start.x, 0 * start.strained, 0 * start.load, 0 * start.multipliers)
         assessment: Any = np.zeros(0), np.array(False), np.array(False), np.ones(()), np.array(0), np.array(0)
         sizes: Any = self.sizes
-        return ramp, Scale(sizes, sizes), Step(start, still, *assessment), code
+        return Scale(sizes, sizes), Step(start, still, *assessment), code
 
-    def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
+    def advance(self, scale: Scale, predictor: Predictor) -> Step:
         """See :class:`flexmb.paths.walk.WalkEquations`."""
-        new: Any = jax.device_get(_step(*self.parts, ramp, scale, begin, direction, length, plane))
+        new: Any = jax.device_get(_step(*self.parts, scale, predictor))
         if new.failure == RESULTS.out_of_memory:
             raise AnalysisError(RESULTS.out_of_memory.name, RESULTS.out_of_memory.message)
         values, below, regular = np.zeros(0), 0, np.asarray(new.failure == RESULTS.successful)
@@ -196,11 +177,9 @@ class SparseEquations:
         assessment: Any = values, new.converged, regular, new.cosine, new.corrections, np.array(below)
         return Step(new.point, new.tangent, *assessment)
 
-    def null(
-        self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
-    ) -> tuple[Direction, Direction]:
+    def null(self, scale: Scale, point: Point, shift: Any, beside: Direction) -> tuple[Direction, Direction]:
         """See :class:`flexmb.paths.walk.WalkEquations`."""
-        elements, by_load, following = jax.device_get(_at(*self.parts, ramp, scale, point))
+        elements, by_load, following = jax.device_get(_at(*self.parts, point))
         return on_host_thread(self._null, elements, by_load, following, float(shift), beside)
 
     def _null(self, elements: ElementMatrices, by_load: Any, following: Any, shift: float, beside: Direction):
@@ -234,10 +213,10 @@ class SparseEquations:
         still[self.free], loaded[self.free] = phi, solved[:n]
         return direction(still, 0 * m, 0.0), direction(loaded, solved[n:], 1.0)
 
-    def sigma(self, ramp: Ramp, point: Point) -> Float[np.ndarray, "n_e"]:
+    def sigma(self, point: Point) -> Float[np.ndarray, "n_e"]:
         """Stress resultants at a state, multipliers included [N, N m]."""
-        factors = as_arrays(ramp.at(point.load))
-        stress = np.array(elastic_stress(*self.parts, factors, jax.device_put(point.strained)))
+        factors = factors_at(self.model.parameters, point.load)
+        stress = np.array(elastic_stress(*self.parts, factors, point.strained))
         stress[self.held] = point.multipliers
         return stress
 
@@ -246,8 +225,3 @@ def _critical(find: Any, elements: ElementMatrices, start: np.ndarray) -> tuple[
     """Critical values nearest to zero, number of further negative ones, and the start for the next state."""
     at = Assembled(elements)
     return find(at.tangent, at.factors(), elements.sizes[elements.free], start, at)[:3]
-
-
-def as_arrays(given: LoadFactors) -> LoadFactors:
-    """Load factors as JAX arrays."""
-    return LoadFactors(*jax.device_put([np.asarray(factor, float) for factor in given]))

@@ -27,19 +27,6 @@ SHORTER = 4
 FEW_CORRECTIONS = 4
 
 
-class Ramp(NamedTuple):
-    """Load factors along a path: ``base`` plus the load factor times ``rate``."""
-
-    base: LoadFactors
-    rate: LoadFactors
-
-    def at(self, load: Float[Array, ""]) -> LoadFactors:
-        """Factors of the two sets of loads at a load factor of the path."""
-        return LoadFactors(
-            self.base.initial + load * self.rate.initial, self.base.increment + load * self.rate.increment
-        )
-
-
 class Point(NamedTuple):
     """A state on the path.
 
@@ -76,6 +63,27 @@ class Plane(NamedTuple):
     x: Float[Array, "n_x"]
     load: Float[Array, ""]
     stiffness: Any = np.zeros(())
+
+
+class Predictor(NamedTuple):
+    """A step to try: from a point along a direction by a length, then corrected in a plane through its end."""
+
+    begin: Point
+    direction: Direction
+    length: Any
+    plane: Plane
+
+    @property
+    def end(self) -> Point:
+        """The predicted point."""
+        change, length = self.direction, self.length
+        return Point(
+            self.begin.x + length * change.x,
+            self.begin.near,
+            self.begin.strained + length * change.strained,
+            self.begin.load + length * change.load,
+            self.begin.multipliers + length * change.multipliers,
+        )
 
 
 class Scale(NamedTuple):
@@ -140,10 +148,10 @@ class PathEquations(Protocol):
         """Change of the deformations with the coordinates, to first order."""
         ...
 
-    def move(self, factored: Any, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+    def move(self, factored: Any, plane: Plane, sizes: Any, share: Any, distance: Any, idle: Any) -> Move:
         """Solve [K, r_load; plane] (dz, dload) = (-share r, -distance), with ``factored`` in place of ``last``.
 
-        ``idle``: no answer is needed.
+        ``sizes`` are those of a :class:`Scale`. ``idle``: no answer is needed.
         """
         ...
 
@@ -166,33 +174,24 @@ def next_length(length: Number, corrections: Any, cosine: Number) -> Any:
     return length * library_of(cosine).where(quick, 2.0, 1.0)
 
 
-def scales_increment(topology: Topology, parameters: Parameters) -> bool:
-    """Whether there are incremental loads; known before tracing."""
-    elements = any(dict(block.options).get("incremental", False) for block in topology.blocks)
-    return elements or parameters.increment is not None
-
-
-def ramp_of(topology: Topology, parameters: Parameters) -> Ramp:
-    """Ramp of the incremental loads, the others constant; without incremental loads of all."""
-    if scales_increment(topology, parameters):
-        return Ramp(load_factors(1.0, 0.0), load_factors(0.0, 1.0))
-    return Ramp(load_factors(0.0, 0.0), load_factors(1.0, 0.0))
+def factors_at(parameters: Parameters, load: Any) -> LoadFactors:
+    """Load factors at a load factor of the path, which scales the incremental loads; without any, all loads."""
+    return load_factors(load, 0.0) if parameters.increment is None else load_factors(1.0, load)
 
 
 def begins_undeformed(topology: Topology, parameters: Parameters) -> bool:
     """Whether nothing is stressed at load factor zero; known before tracing."""
     stressed = parameters.strain is not None or is_nonlinear(topology)
-    return not stressed and not scales_increment(topology, parameters)
+    return not stressed and parameters.increment is None
 
 
-def load_response(
-    topology: Topology, parameters: Parameters, ramp: Ramp, at: State
-) -> tuple[Float[Array, "n_x"], Float[Array, "n_q"]]:
+def load_response(topology: Topology, parameters: Parameters, at: State) -> tuple[Array, Array]:
     """Derivatives by the load factor at constant q of x and of the residual; loads are linear in it (THEORY.md 5)."""
-    wanted_x, wanted_e = prescribed_values(topology, parameters, ramp.rate)
+    rates = load_factors(1.0, 0.0) if parameters.increment is None else load_factors(0.0, 1.0)
+    wanted_x, wanted_e = prescribed_values(topology, parameters, rates)
     shift = wanted_x - parameters.reference
-    imbalance = -nodal_forces(topology, parameters, ramp.rate, at.x)
-    extra = stress_of_loads(topology, parameters, scaled_loads(parameters, ramp.rate), at.S)
+    imbalance = -nodal_forces(topology, parameters, rates, at.x)
+    extra = stress_of_loads(topology, parameters, scaled_loads(parameters, rates), at.S)
     if extra is not None:
         imbalance = imbalance + at.jacobian.T @ extra
     return reduced_response(topology, at, at.jacobian @ shift - wanted_e, shift, imbalance)
@@ -227,9 +226,8 @@ def direction_of(at: State, dx: Float[Array, "n_x"], load: Float[Array, ""]) -> 
     return Direction(dx, at.jacobian @ dx, load, jnp.zeros(0))
 
 
-def tangent_at(topology: Topology, parameters: Parameters, ramp: Ramp, at: State, plane: Plane) -> Direction:
-    """Tangent of the path, on the side of the plane's normal; not of unit length."""
-    onto, by_load = load_response(topology, parameters, ramp, at)
+def tangent_at(at: State, onto: Float[Array, "n_x"], by_load: Float[Array, "n_q"], plane: Plane) -> Direction:
+    """Tangent of the path from :func:`load_response`, on the side of the plane's normal; not of unit length."""
     dq, load = _bordered_solve(at, onto, by_load, plane, jnp.zeros_like(by_load), jnp.array(-1.0))
     return direction_of(at, onto * load + at.transfer.DFx @ dq, load)
 
@@ -255,6 +253,15 @@ def unit(scale: Scale, d: Direction) -> Direction:
     return Direction(*(change / size for change in d))
 
 
+def first_step(sizes: Any, point: Point) -> tuple[Scale, Predictor]:
+    """A scale of equal weights, and a step of no length with rising load: it finds the tangent at a known state."""
+    xp = library_of(point)
+    zero = xp.zeros_like(point.load)
+    still = Direction(0 * point.x, 0 * point.strained, zero, 0 * point.multipliers)
+    plane = Plane(0 * point.x, xp.ones_like(point.load))
+    return Scale(sizes, xp.ones_like(sizes)), Predictor(point, still, zero, plane)
+
+
 def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> Scale:
     """Weights by which the motion under the first load and the load itself count alike."""
     xp = library_of(tangent.load)
@@ -267,18 +274,17 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
 class _InFreedoms:
     """:class:`PathEquations` in the degrees of freedom."""
 
-    def __init__(self, topology: Topology, parameters: Parameters, ramp: Ramp, scale: Scale, point: Point):
-        factors = ramp.at(point.load)
+    def __init__(self, topology: Topology, parameters: Parameters, point: Point):
+        factors = factors_at(parameters, point.load)
         trial = Iterate(point.x, point.near, point.strained, point.multipliers)
         prescribed = prescribed_values(topology, parameters, factors)
         self._turn = turn = TurnInFreedoms(topology, parameters, factors, trial, prescribed)
         self.last, self.e, self.onto, self.deformed = turn.last, turn.e, turn.onto, turn.deformed
-        self.following, self._by_load = load_response(topology, parameters, ramp, turn.last)
-        self._sizes = scale.sizes
+        self.following, self._by_load = load_response(topology, parameters, turn.last)
 
-    def move(self, factored: State, plane: Plane, share: Any, distance: Float[Array, ""], idle: Any) -> Move:
+    def move(self, factored: State, plane: Plane, sizes: Any, share: Any, distance: Any, idle: Any) -> Move:
         """See :class:`PathEquations`."""
-        z = factored.transfer.DFx / self._sizes[:, None]
+        z = factored.transfer.DFx / sizes[:, None]
         residual = jnp.where(share == 0, 0.0, self._turn.residual)
         added = plane.stiffness * (z.T @ z)
         dq, load = _bordered_solve(factored, self.following, self._by_load, plane, residual, distance, added)
@@ -303,15 +309,7 @@ class _Correcting(NamedTuple):
 
 
 def step_along(
-    form: PathForm,
-    topology: Topology,
-    parameters: Parameters,
-    ramp: Ramp,
-    scale: Scale,
-    begin: Point,
-    direction: Direction,
-    step: Float[Array, ""],
-    plane: Plane,
+    form: PathForm, topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
@@ -320,17 +318,11 @@ def step_along(
     side of the plane's normal. The system bordered with this normal is regular at limit points too: K has rank n_q - 1
     there, and the load is not in its range.
     """
-    predicted = Point(
-        begin.x + step * direction.x,
-        begin.near,
-        begin.strained + step * direction.strained,
-        begin.load + step * direction.load,
-        begin.multipliers + step * direction.multipliers,
-    )
+    predicted, direction, plane = predictor.end, predictor.direction, predictor.plane
 
     def turn(c: _Correcting) -> _Correcting:
         x, _, _, load, multipliers = c.point
-        at = form.equations(topology, parameters, ramp, scale, c.point)
+        at = form.equations(topology, parameters, c.point)
         # The last turn computes the tangent alone.
         last = c.done | c.bad
         distance = plane.x @ (x - predicted.x + at.onto) + plane.load * (load - predicted.load)
@@ -339,7 +331,7 @@ def step_along(
             again = ~last & (c.leaves < REUSED_CORRECTION * STEP_TOLERANCE)
             factored = jax.tree.map(lambda a, b: jnp.where(again, a, b), c.at, at.last)
         share, distance = jnp.where(last, 0.0, 1.0), jnp.where(last, -1.0, distance)
-        move = at.move(factored, plane, share, distance, c.bad)
+        move = at.move(factored, plane, scale.sizes, share, distance, c.bad)
         along = at.following * move.load + move.x
         change = at.onto + along
         size = jnp.maximum(jnp.max(jnp.abs(change) / scale.sizes, initial=0.0), jnp.abs(move.load))
@@ -357,7 +349,7 @@ def step_along(
         return jax.tree.map(lambda a, b: jnp.where(last, a, b), unchanged, new)
 
     no, none, infinite = jnp.array(False), jnp.zeros((), jnp.int32), jnp.array(jnp.inf)
-    nothing = jax.eval_shape(lambda point: form.equations(topology, parameters, ramp, scale, point).last, predicted)
+    nothing = jax.eval_shape(lambda point: form.equations(topology, parameters, point).last, predicted)
     nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)
     start = _Correcting(predicted, infinite, infinite, none, no, no, nothing, direction, no, none)
     end = jax.lax.while_loop(lambda c: ~c.finished, turn, start)

@@ -40,16 +40,17 @@ from .stepper import (
     Direction,
     Plane,
     Point,
-    Ramp,
+    Predictor,
     Scale,
     begins_undeformed,
     direction_of,
+    factors_at,
+    first_step,
     is_acceptable,
     length_of,
     load_response,
     next_length,
     normal_to,
-    ramp_of,
     scale_of,
     step_along,
     unit,
@@ -119,26 +120,17 @@ class Step(NamedTuple):
 
 @kernel
 def _begin(topology: Topology, parameters: Parameters):
-    ramp, point, tangent, scale, at, result = begin_path(topology, parameters)
+    point, tangent, scale, at, result = begin_path(topology, parameters)
     values = critical_values(topology, at, scale.sizes)
     converged = result == RESULTS.successful
     none = jnp.zeros((), jnp.int32)
     step = Step(point, tangent, values, converged, converged, jnp.array(1.0), none, none)
-    return ramp, scale, step, result
+    return scale, step, result
 
 
 @kernel
-def _advance(
-    topology: Topology,
-    parameters: Parameters,
-    ramp: Ramp,
-    scale: Scale,
-    begin: Point,
-    direction: Direction,
-    length: Float[Array, ""],
-    plane: Plane,
-):
-    new = step_along(DENSE_PATH, topology, parameters, ramp, scale, begin, direction, length, plane)
+def _advance(topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor):
+    new = step_along(DENSE_PATH, topology, parameters, scale, predictor)
     values = critical_values(topology, new.at, scale.sizes)
     regular = new.failure == RESULTS.successful
     none = jnp.zeros((), jnp.int32)
@@ -149,20 +141,20 @@ def _advance(
 def _null(
     topology: Topology,
     parameters: Parameters,
-    ramp: Ramp,
     scale: Scale,
     point: Point,
     shift: Float[Array, ""],
     beside: Direction,
 ):
-    at = state(topology, parameters, ramp.at(point.load), point.x, point.near, strained=point.strained)
+    factors = factors_at(parameters, point.load)
+    at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
     other = jnp.concatenate([beside.x[topology.x.dof], beside.strained[topology.e.dof]])
     phi, psi = null_vectors(topology, at, scale.sizes, shift, other)
     # In another direction, normal to phi, the load changes and r does not: K with phi made stiff gives it.
     z = at.transfer.DFx / scale.sizes[:, None]
     metric = z.T @ z
     stiffened = at.K0 + at.G0 + shift / NULL_VECTOR_SHIFT * jnp.outer(metric @ psi, metric @ phi) / (psi @ metric @ phi)
-    onto, by_load = load_response(topology, parameters, ramp, at)
+    onto, by_load = load_response(topology, parameters, at)
     dq = -factorise(stiffened).solve(by_load)
     along = onto + at.transfer.DFx @ (dq - phi * (phi @ metric @ dq) / (phi @ metric @ phi))
     return direction_of(at, at.transfer.DFx @ phi, jnp.array(0.0)), direction_of(at, along, jnp.array(1.0))
@@ -171,35 +163,35 @@ def _null(
 class WalkEquations(Protocol):
     """Equations of a mechanism for a walk; states are NumPy arrays."""
 
-    def begin(self) -> tuple[Ramp, Scale, Step, Any]:
-        """Ramp of the loads, scale, first state, code of RESULTS."""
+    def begin(self) -> tuple[Scale, Step, Any]:
+        """Scale, first state, code of RESULTS."""
         ...
 
-    def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
+    def advance(self, scale: Scale, predictor: Predictor) -> Step:
         """One step from a point along a direction, corrected in a plane."""
         ...
 
-    def null(
-        self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
-    ) -> tuple[Direction, Direction]:
+    def null(self, scale: Scale, point: Point, shift: Any, beside: Direction) -> tuple[Direction, Direction]:
         """Motion without stiffness, normal to ``beside``; direction normal to it that follows a rising load."""
         ...
 
 
-def begin_at(equations: Any, ramp: Ramp, point: Point) -> tuple[Ramp, Scale, Step, Any] | None:
+def unloaded_point(topology: Topology, parameters: Parameters, multipliers: int = 0) -> Point:
+    """The undeformed mechanism at load factor zero, as arrays of NumPy."""
+    none, reference = np.zeros(topology.n_e), np.asarray(parameters.reference)
+    state: Any = reference, none, none, np.zeros(()), np.zeros(multipliers)
+    return Point(*state)
+
+
+def begin_at(equations: Any, point: Point) -> tuple[Scale, Step, Any] | None:
     """Result of :meth:`WalkEquations.begin` at a known state, by a step of no length; None if that fails."""
     topology, parameters = equations.parts
-    numbers: Any = [np.asarray(a, float) for a in (0.0, 1.0, coordinate_scales(topology, parameters))]
-    none, unit_load, sizes = numbers
-    still: Any = Direction(0 * point.x, 0 * point.strained, none, 0 * point.multipliers)
-    rising: Any = Plane(0 * point.x, unit_load)
-    alike: Any = Scale(sizes, sizes**0)
-    step = equations.advance(ramp, alike, point, still, none, rising)
+    step = equations.advance(*first_step(np.asarray(coordinate_scales(topology, parameters)), point))
     if not step.converged or not step.regular:
         return None
-    scale = scale_of(topology, parameters, step.tangent)
-    step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=unit_load)
-    return ramp, scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
+    scale, one = scale_of(topology, parameters, step.tangent), np.ones(())
+    step = step._replace(point=point, tangent=unit(scale, step.tangent), cosine=one)
+    return scale, step._replace(corrections=np.zeros((), np.int32)), RESULTS.successful
 
 
 class DenseEquations:
@@ -208,28 +200,23 @@ class DenseEquations:
     def __init__(self, model: Model):
         self.parts = (model.topology, model.parameters)
 
-    def begin(self) -> tuple[Ramp, Scale, Step, Any]:
+    def begin(self) -> tuple[Scale, Step, Any]:
         """See :class:`WalkEquations`."""
         topology, parameters = self.parts
         if begins_undeformed(topology, parameters):
             # By the compiled code of a step.
-            zero: Any = np.zeros(topology.n_e)
-            empty: Any = np.zeros(0)
-            ramp, x = jax.device_get((ramp_of(topology, parameters), parameters.reference))
-            begun = begin_at(self, ramp, Point(x, zero, zero, zero.sum(), empty))
+            begun = begin_at(self, unloaded_point(topology, parameters))
             if begun is not None:
                 return begun
         return jax.device_get(_begin(*self.parts))
 
-    def advance(self, ramp: Ramp, scale: Scale, begin: Point, direction: Direction, length: Any, plane: Plane) -> Step:
+    def advance(self, scale: Scale, predictor: Predictor) -> Step:
         """See :class:`WalkEquations`."""
-        return jax.device_get(_advance(*self.parts, ramp, scale, begin, direction, length, plane))
+        return jax.device_get(_advance(*self.parts, scale, predictor))
 
-    def null(
-        self, ramp: Ramp, scale: Scale, point: Point, shift: Any, beside: Direction
-    ) -> tuple[Direction, Direction]:
+    def null(self, scale: Scale, point: Point, shift: Any, beside: Direction) -> tuple[Direction, Direction]:
         """See :class:`WalkEquations`."""
-        return jax.device_get(_null(*self.parts, ramp, scale, point, shift, beside))
+        return jax.device_get(_null(*self.parts, scale, point, shift, beside))
 
 
 class Zero(NamedTuple):
@@ -369,7 +356,7 @@ class Walker:
 
     def __init__(self, equations: WalkEquations, step: float, stops: Stops):
         self.equations = equations
-        self.ramp, self.scale, first, result = equations.begin()
+        self.scale, first, result = equations.begin()
         self.code = RESULTS(int(result))
         self.step = step
         self.steps: list[Step] = [first]
@@ -381,8 +368,7 @@ class Walker:
     def advance(self, begin: Point, direction: Direction, length: ArrayLike, plane: Plane | None = None) -> Step:
         """One step from a point along a direction, corrected across it or in a given plane."""
         plane = normal_to(self.scale, direction) if plane is None else plane
-        arguments = (self.ramp, self.scale, begin, direction, np.asarray(length, float), plane)
-        return self.equations.advance(*arguments)
+        return self.equations.advance(self.scale, Predictor(begin, direction, np.asarray(length, float), plane))
 
     def longest(self, tangent: Direction) -> float:
         """Length within which neither the load nor the motion changes too much."""
@@ -586,8 +572,7 @@ class Walker:
             coincide = i > 0 and zero.length - before.length <= max(WIDEST_GAP * taken.length, WIDEST_GAP_AT_LEAST)
             beside = directions[-1] if coincide else jax.tree.map(np.zeros_like, zero.step.tangent)
             shift = np.asarray(np.abs(taken.begin.critical_value(crossing.number)) * NULL_VECTOR_SHIFT)
-            arguments = (self.ramp, self.scale, zero.step.point, shift, beside)
-            phi, along = self.equations.null(*arguments)
+            phi, along = self.equations.null(self.scale, zero.step.point, shift, beside)
             directions.append(phi)
             loaded.append(along)
         return directions, loaded
