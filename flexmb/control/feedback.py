@@ -39,7 +39,7 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     output depends on them (THEORY.md 14, eq. (14.34)).
     """
     symmetric = (system.K + system.K.T) / 2
-    shift, _, _ = shift_to_definite(symmetric, system.M)
+    shift, *_ = shift_to_definite(symmetric, system.M)
     # The equations hold in any basis: it is not differentiated.
     mu, basis = jax.lax.stop_gradient(pencil(system.M, symmetric + shift * system.M))
     massive = mu > MASSLESS_SHARE * len(mu) * jnp.max(mu, initial=0.0)

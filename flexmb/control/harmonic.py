@@ -125,7 +125,7 @@ def _modal_factors(
     With this scale, motions without mass are modes of zero mass, and the sum includes the whole flexibility.
     """
     m, c, k, loss = (jax.lax.stop_gradient(part) for part in (m, c, k, loss))
-    shift, _, definite = shift_to_definite(k, m)
+    shift, _, definite, _ = shift_to_definite(k, m)
     mu, vectors = _refined(m, k + shift * m, *pencil(m, k + shift * m))
     damping, losses = vectors.T @ c @ vectors, vectors.T @ loss @ vectors
     return (mu, shift * mu, vectors, damping, losses), definite

@@ -180,7 +180,7 @@ def _beside_elements(
 
     ``by_held`` and ``of_held`` are the stiffness between the degrees of freedom and held coordinates.
     """
-    shift, _, _ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
+    shift, *_ = shift_to_definite((m.K + m.K.T) / 2, m.M0)
     # Round-off of no added damping would need a regular stiffness.
     has_added = jnp.max(jnp.abs(added), initial=0.0) > 10 * ENTRY_ROUND_OFF * jnp.max(jnp.abs(m.D0), initial=0.0)
     factors = factorise(jnp.where(has_added, m.K + shift * m.M0, jnp.eye(len(added))))

@@ -107,7 +107,7 @@ def truncated(
 
     THEORY.md 7, eq. (7.14): (K + s M0)^-1 of forces that do not move kept modes, plus what s takes from the others.
     """
-    shift, _, _ = shift_to_definite(k, m)
+    shift, *_ = shift_to_definite(k, m)
     values, shapes, _, _ = spectrum(k, m)
     others = np.array([i for i in range(len(values)) if i not in kept], int)
     keep, other_shapes = shapes[:, np.array(kept)], shapes[:, others]

@@ -1,7 +1,6 @@
 """Linear buckling: load multipliers about the loaded state, sign kept."""
 
 import dataclasses
-from collections.abc import Callable
 from typing import Any
 
 import jax
@@ -40,7 +39,7 @@ from ..statics.solve import solve_state
 from ..statics.solver_choice import asked_solver, few_of, is_large
 from .about import Where
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, linearized_by_elements
-from .sparse_buckling import moved_by_loads, sparse_modes, sparse_multipliers
+from .sparse_buckling import moved_by_loads, sparse_multipliers
 from .spectrum import is_real
 
 
@@ -372,25 +371,22 @@ def buckling_loads(
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
     how = throw, Where(at, step, None, increment)
-    answer = _by_sparse(model, "buckling_loads", sparse_multipliers, *how, count, asked_solver(sparse, solver))
-    if answer is not None:
-        return answer[0]
-    return _asked(model, "buckling_loads", *how)[0][:count]
+    answer = _by_sparse(model, "buckling_loads", *how, count, asked_solver(sparse, solver))
+    return (_asked(model, "buckling_loads", *how) if answer is None else answer)[0][:count]
 
 
 def _by_sparse(
     model: Model,
     function: str,
-    compute: Callable[..., Any],
     throw: bool,
     where: Where,
     count: int | None,
     solver: LinearSolver | None,
-) -> Any:
-    """Answer of ``compute`` by sparse factors; None if dense matrices answer.
+    linearizes: bool = False,
+) -> tuple[Any, Any, Linearization | None] | None:
+    """Result of :func:`_asked` by sparse factors, for ``count`` multipliers; None if dense matrices answer.
 
-    ``compute``: function of model, load factors, count, and a state of a path. It returns multipliers first, and the
-    motion by the loads last.
+    ``linearizes``: whether to linearise about the equilibrium first, which has no derivative.
     """
     if count is not None:
         check_whole("count", count, 1)
@@ -404,10 +400,11 @@ def _by_sparse(
         return None
     about, factors = _about(model, where, function)
     try:
-        *answer, moved = compute(model, factors, int(count), about, solver or SPARSE)
-        if is_concrete((answer[0], moved)):
-            _warn_of_moving(answer[0], moved, model.parameters.increment is None and where.at is None)
-        return answer
+        about = linearized_by_elements(model, factors) if about is None and linearizes else about
+        values, shapes, moved = sparse_multipliers(model, factors, int(count), about, solver or SPARSE)
+        if is_concrete((values, moved)):
+            _warn_of_moving(values, moved, model.parameters.increment is None and where.at is None)
+        return values, shapes, about
     except ModelError as refused:
         try:
             as_determined(model, function)
@@ -417,15 +414,6 @@ def _by_sparse(
         if by_factors:
             raise
     return None
-
-
-def _sparse_buckling(
-    model: Model, factors: LoadFactors, count: int, about: Linearization | None, solver: LinearSolver
-) -> tuple[Any, Any, Linearization, Any]:
-    """Multipliers, modes, the state that they are about, and the motion by the loads."""
-    lin = linearized_by_elements(model, factors) if about is None else about
-    multipliers, shapes, moved = sparse_modes(model, factors, count, lin, solver)
-    return multipliers, shapes, lin, moved
 
 
 @unguarded
@@ -462,7 +450,7 @@ def buckling(
             " jax.jit."
         )
     where = Where(at, step, None, increment)
-    answer = _by_sparse(model, "buckling", _sparse_buckling, throw, where, count, asked_solver(sparse, solver))
+    answer = _by_sparse(model, "buckling", throw, where, count, asked_solver(sparse, solver), linearizes=True)
     multiplier, shapes, lin = _asked(model, "buckling", throw, where) if answer is None else answer
     bounded = int(np.sum(np.isfinite(multiplier)[:count]))
     multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]

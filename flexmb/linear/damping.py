@@ -104,7 +104,7 @@ def _modal_damping(m: Matrices, ratios: Any, losses: Float[Array, "n_e"] | None)
     With B = K + s M0 = L L^T all functions of (K, M0) are functions of the matrix L^-1 M0 L^-T between factors L and
     L^T. Its eigenvalue mu of a motion is 1/(w^2 + s), and zero for one without mass.
     """
-    shift, _, has_shift = shift_to_definite(m.K, m.M0)
+    shift, _, has_shift, _ = shift_to_definite(m.K, m.M0)
     factor = cholesky(m.K + shift * m.M0)
 
     def reduced(matrix: Float[Array, "n n"]):

@@ -393,25 +393,15 @@ def moving_element_matrices(
     return at_rest._replace(damping=damping, mass=mass_pieces(topology, parameters, x), viscous=viscous)
 
 
-def about_state(
-    model: Model,
-    factors: LoadFactors,
-    x: Float[Array, "n_x"],
-    e: Float[Array, "n_e"],
-    sigma: Float[Array, "n_e"],
-    *more: Any,
-    solver: LinearSolver = SPARSE,
-) -> Linearization:
+def about_state(model: Model, factors: LoadFactors, at: Any, solver: LinearSolver = SPARSE) -> Linearization:
     """Linearised equations about a known state at rest, element by element.
 
-    ``more`` are the attributes of :class:`LargeMatrices` between ``sigma`` and ``factors``.
+    ``at`` are the attributes of :class:`LargeMatrices` between ``elements`` and ``factors``.
     """
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
-    elements = moving_element_matrices(model.topology, model.parameters, factors, x, e, sigma)
+    elements = moving_element_matrices(model.topology, model.parameters, factors, *at[:3])
     symmetric = not lacks_potential(model.topology)
-    return Linearization(
-        LargeMatrices(elements, x, e, sigma, *more, factors=factors, symmetric=symmetric, solver=solver), model
-    )
+    return Linearization(LargeMatrices(elements, *at, factors, symmetric, solver), model)
 
 
 @one_thread()
@@ -424,7 +414,7 @@ def linearized_by_elements(
         collect(RESULTS.unstable_state)
     check_stiffness(model, equilibrium[-1], throw)
     warn_of_coarse(model, equilibrium[1])
-    return about_state(model, target, *or_nan(equilibrium, equilibrium[-1], throw), solver=solver)
+    return about_state(model, target, or_nan(equilibrium, equilibrium[-1], throw), solver)
 
 
 def linearized_by_freedoms(model: Model, target: LoadFactors, throw: bool) -> Linearization:
@@ -463,8 +453,8 @@ def linearized_about(model: Model, at: Equilibrium, function: str, solver: Linea
     check(at.result, True, f"Argument `at` of fm.{function} is this equilibrium, which was not found.")
     asked_model, factors = at.asked_of, at.factors
     if solver is not None:
-        more = at.felt, at.reactions, at.external, at.iterations, at.result
-        return about_state(asked_model, factors, at.x, at.e, at.sigma, *more, solver=solver)
+        state_at = at.x, at.e, at.sigma, at.felt, at.reactions, at.external, at.iterations, at.result
+        return about_state(asked_model, factors, state_at, solver)
     asked_model = as_determined(asked_model, function)
     return Linearization(_matrices_of(asked_model.topology, asked_model.parameters, factors, at.x, at.e), asked_model)
 

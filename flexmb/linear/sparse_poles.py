@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from jaxtyping import Complex
 
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError
 from ..math.by_deformations import forces, refined_solution, softness
 from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import uneven
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..numerical_limits import FIRST_SHIFT, MASSLESS_SHARE, TRUE_POLE
 from ..results import RESULTS
-from ..statics.solver_choice import MANY
-from .sparse_spectrum import FEW, GROWTH, SEARCHES, explained_failures, orthonormal_allowed
+from ..statics.solver_choice import MANY, refuse_all
+from .sparse_spectrum import FEW, GROWTH, SEARCHES, check_converged, explained_failures, orthonormal_allowed
 from .spectrum import MAX_SHIFTS, any_grows, in_order, is_real, slowest
 
 MORE = 2
@@ -128,11 +128,7 @@ def poles_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver 
     every = 2 * at.motions
     if not every:
         return np.zeros(0, complex)
-    if 3 * count >= every > 2 * MANY:
-        raise ModelError(
-            f"Argument `count` = {count}: sparse matrices give few of the {every} poles, not all. Ask for fewer, or"
-            " give sparse=False and a model with degrees of freedom."
-        )
+    refuse_all(count, every, "poles", 2 * MANY)
     if at.shift > 0 and whole.mass.count_nonzero() + whole.damping.count_nonzero():
         # Such a small shift leaves few digits for poles far above it.
         at = _better(at, whole, _poles_near_shift(at, count)[0])
@@ -140,12 +136,7 @@ def poles_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver 
     if wrong > TRUE_POLE:
         at = _better(at, whole, values)
         values, wrong = _complete(at, count)
-    if not wrong <= TRUE_POLE:
-        raise AnalysisError(
-            RESULTS.not_converged.name,
-            "The poles were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
-            " of freedom.",
-        )
+    check_converged(wrong, "poles", TRUE_POLE)
     return in_order(slowest(values, count))
 
 

@@ -5,8 +5,7 @@ which is zero for motions without mass, these would grow during iterations.
 
 :func:`lowest_of_sparse` is the entry. Poles, buckling and critical points of large mechanisms also use:
 
-- :func:`with_all_copies`: finds all copies of repeated eigenvalues;
-- :class:`Constrained`, :class:`AllowedMotions`: motions under constraints, with factors or, if few, as a basis;
+- :class:`Constrained`: motions under constraints, with factors or, if few, as a basis;
 - :func:`explained_failures`, :func:`check_converged`, :func:`refuse_negative_masses`: errors by name.
 """
 
@@ -16,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import AnalysisError, ModelError
+from ..errors import AnalysisError
 from ..math.by_deformations import forces, refined_solution
 from ..math.element_matrices import AssembledEquations
 from ..math.linear import uneven
@@ -34,7 +33,7 @@ from ..numerical_limits import (
     ROUGH_EIGENVALUE,
 )
 from ..results import RESULTS
-from ..statics.solver_choice import asks_for_all
+from ..statics.solver_choice import refuse_all
 from .spectrum import MAX_SHIFTS
 
 # All motions are computed if constraints leave at most this number, or three times the number wanted: Lanczos
@@ -59,85 +58,15 @@ def explained_failures(try_this: str = "Ask for fewer") -> Iterator[None]:
         ) from None
 
 
-def with_all_copies(
-    search: Callable[[np.ndarray, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]],
-    passed_over: Callable[[np.ndarray], bool],
-    farness: Callable[[np.ndarray], np.ndarray],
-    size: tuple[int, int],
-) -> tuple[np.ndarray, np.ndarray]:
-    """Sorted eigenvalues (count,) and motions (n, count) with all copies of repeated ones; ``size`` is (n, count).
-
-    From one start, iterations find one motion of each eigenvalue; only round-off adds others.
-
-    Args:
-        search: Finds eigenvalues (count,) and orthonormal motions (n, count) beside known ones, from a start.
-        passed_over: Whether there are more up to the last of some sorted eigenvalues.
-        farness: Sorting key of eigenvalues.
-    """
-
-    def searched(*arguments: np.ndarray):
-        with explained_failures():
-            return search(*arguments)
-
-    n, count = size
-    start = uneven(n)
-    values, motions = searched(np.zeros(0), np.zeros((n, 0)), start)
-    for k in range(SEARCHES):
-        order = np.argsort(farness(values), kind="stable")[:count]
-        values, motions = values[order], motions[:, order]
-        if not passed_over(values):
-            return values, motions
-        more, others = searched(values, motions, np.cos((k + 2) * np.arange(n) ** 2 + k))
-        if np.min(farness(more)) >= farness(values)[-1]:
-            return values, motions
-        values, motions = np.concatenate([values, more]), np.concatenate([motions, others], axis=1)
-    raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
-
-
-def eigenvalues_beside(
-    matrix: Any,
-    stiffness: Any,
-    moved: Callable[[np.ndarray], np.ndarray],
-    known: tuple[np.ndarray, np.ndarray],
-    count: int,
-    start: np.ndarray,
-    **how: Any,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues of A v = m K v under constraints, with v^T K v = 1, by ARPACK in the inner product of K.
-
-    Args:
-        matrix, stiffness: Sparse symmetric A, and K, positive definite under the constraints, (n, n).
-        moved: Motions under forces by K and the constraints.
-        known: Known eigenvalues (k,) and motions (n, k); ``count`` others are sought.
-        start: Allowed motion, (n,).
-        how: Options of :func:`scipy.sparse.linalg.eigsh`.
-    """
-    import scipy.sparse.linalg
-
-    linalg: Any = scipy.sparse.linalg
-    values, motions = known
-    # ARPACK uses the product with the first matrix for inner product and operator: remove known motions from this
-    # matrix.
-    forces = stiffness @ motions
-
-    def beside(motion: np.ndarray):
-        motion = np.ravel(motion)
-        return matrix @ motion - forces @ (values * (forces.T @ motion))
-
-    operator = linalg.LinearOperator(matrix.shape, matvec=beside, dtype=float)
-    inverse = linalg.LinearOperator(matrix.shape, matvec=lambda force: moved(np.ravel(force)), dtype=float)
-    return linalg.eigsh(operator, k=count, M=stiffness, Minv=inverse, v0=start, **how)
-
-
 def change_by_iteration(left: np.ndarray, motions: np.ndarray, matrix: Any) -> np.ndarray:
     """Change of motions by one more iteration, ``left``, over their own size, in the norm of a matrix."""
     wrong, size = (np.einsum("ij,ij->j", columns, matrix @ columns) for columns in (left, motions))
     return np.sqrt(np.abs(wrong) / size)
 
 
-def check_converged(wrong: np.ndarray, what: str) -> None:
+def check_converged(wrong: np.ndarray | float, what: str, most: float = LANCZOS_CONVERGED) -> None:
     """Raise not_converged if iterations for ``what`` have not converged, by :func:`change_by_iteration`."""
-    if not np.all(wrong <= LANCZOS_CONVERGED):
+    if not np.all(wrong <= most):
         raise AnalysisError(
             RESULTS.not_converged.name,
             f"The {what} were not found by sparse factors. Ask for fewer, or give sparse=False and a model with degrees"
@@ -170,11 +99,59 @@ class Constrained:
         """Whether constraints leave so few motions that all are computed."""
         return 2 * self.n - self.tangent.shape[0] <= max(FEW, 3 * count)
 
-    def searched(self, matrix: Any, count: int, known: tuple[Any, Any] | None, start: np.ndarray, **how: Any):
-        """:func:`eigenvalues_beside`, from a motion under the forces A x of a start x."""
-        known = known or (np.zeros(0), np.zeros((self.n, 0)))
+    def all_of_few(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """Eigenvalues of A v = m K v of largest size, and motions with v^T K v = 1, from all of few allowed motions.
+
+        LinAlgError if K is indefinite.
+        """
+        import scipy.sparse
+
+        n, h, factored = self.n, self.tangent.shape[0] - self.n, SparseFactors(self.tangent)
+        scale = equilibrating(self.tangent, factored.by_diagonal)
+        alike = scipy.sparse.diags_array(scale)
+        # In coordinates of alike stiffness, as in the factors.
+        basis = orthonormal_allowed(alike @ self.tangent @ alike, n) if h else np.eye(n)
+        moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((h, n - h))]))[:n]
+        flexible = basis.T @ (moved / scale[:n, None])
+        values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
+        if len(values) and not values[0] > -INDEFINITE_FLEXIBILITY * values[-1]:
+            raise np.linalg.LinAlgError("not positive definite")
+        # Zero for motions so stiff that their flexibility is round-off.
+        roots, basis = turned * np.sqrt(np.maximum(values, 0.0)), scale[:n, None] * basis
+        small = roots.T @ (basis.T @ (matrix @ basis)) @ roots
+        values, vectors = np.linalg.eigh((small + small.T) / 2)
+        chosen = np.argsort(-np.abs(values), kind="stable")[:count]
+        return values[chosen], basis @ (roots @ vectors[:, chosen])
+
+    def searched(
+        self, matrix: Any, count: int, known: Any, start: np.ndarray, try_this: str = "Ask for fewer", **how: Any
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Eigenvalues of A v = m K v under constraints, with v^T K v = 1, by ARPACK in the inner product of K.
+
+        Args:
+            matrix: Sparse symmetric A; K is positive definite under the constraints.
+            known: Known eigenvalues (k,) and motions (n, k), or None; ``count`` others are sought.
+            start: Any x; iterations start from the motion under the forces A x.
+            try_this: Advice of the error if ARPACK fails.
+            how: Options of :func:`scipy.sparse.linalg.eigsh`.
+        """
+        import scipy.sparse.linalg
+
+        linalg: Any = scipy.sparse.linalg
+        values, motions = known or (np.zeros(0), np.zeros((self.n, 0)))
+        # ARPACK uses the product with the first matrix for inner product and operator: remove known motions from this
+        # matrix.
+        forces = self.stiffness @ motions
+
+        def beside(motion: np.ndarray):
+            motion = np.ravel(motion)
+            return matrix @ motion - forces @ (values * (forces.T @ motion))
+
+        operator = linalg.LinearOperator(matrix.shape, matvec=beside, dtype=float)
+        inverse = linalg.LinearOperator(matrix.shape, matvec=lambda force: self.moved(np.ravel(force)), dtype=float)
         first = self.moved(matrix @ start)
-        return eigenvalues_beside(matrix, self.stiffness, self.moved, known, count, first, **how)
+        with explained_failures(try_this):
+            return linalg.eigsh(operator, k=count, M=self.stiffness, Minv=inverse, v0=first, **how)
 
     def largest(
         self,
@@ -186,58 +163,38 @@ class Constrained:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Largest m of A v = m K v with all copies, and motions with v^T K v = 1; LinAlgError if K is indefinite.
 
+        From one start, iterations find one motion of each eigenvalue; only round-off adds others.
+
         Args:
             last: Value up to which all are counted by inertia, from those found; None: no count.
             negative: Number of negative eigenvalues of K - A/m under the constraints, for m; None: not known.
             both: Whether to include negative ones, by size.
         """
         if self.few(count):
-            return AllowedMotions(self.tangent, SparseFactors(self.tangent), self.n).largest(matrix, count)
+            return self.all_of_few(matrix, count)
+        which, sides = ("LM", (1.0, -1.0)) if both else ("LA", (1.0,))
 
-        def search(values: np.ndarray, known: np.ndarray, start: np.ndarray):
-            which = "LM" if both else "LA"
-            return self.searched(matrix, count, (values, known), start, which=which, tol=1e-13)
+        def smallness(values: np.ndarray):
+            return -np.abs(values) if both else -values
 
         def passed_over(values: np.ndarray):
             least = last(values)
             if least is None:
                 return False
-            sides = (1.0, -1.0) if both else (1.0,)
             return any((negative(side * least) or 0) > int(np.sum(side * values > least)) for side in sides)
 
-        return with_all_copies(search, passed_over, lambda m: -np.abs(m) if both else -m, (self.n, count))
-
-
-class AllowedMotions:
-    """The motions that constraints D v = 0 leave, if they are few, and an operator in them.
-
-    Attributes:
-        basis: Orthonormal columns, in coordinates of alike stiffness as in the factors, (n, n - h).
-        flexibility: L of Z^T C Z = L L^T, C the motions under forces, (n - h, n - h); zero for motions so stiff that
-            their flexibility is round-off.
-    """
-
-    def __init__(self, tangent: Any, factored: SparseFactors, n: int):
-        """Compute them from a sparse [[K, D^T], [D, 0]] and its factors; LinAlgError if K is indefinite."""
-        import scipy.sparse
-
-        n_constraints, scale = tangent.shape[0] - n, equilibrating(tangent, factored.by_diagonal)
-        alike = scipy.sparse.diags_array(scale)
-        basis = orthonormal_allowed(alike @ tangent @ alike, n) if n_constraints else np.eye(n)
-        self.basis = scale[:n, None] * basis
-        moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((n_constraints, n - n_constraints))]))[:n]
-        flexible = basis.T @ (moved / scale[:n, None])
-        values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
-        if len(values) and not values[0] > -INDEFINITE_FLEXIBILITY * values[-1]:
-            raise np.linalg.LinAlgError("not positive definite")
-        self.flexibility = turned * np.sqrt(np.maximum(values, 0.0))
-
-    def largest(self, matrix: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
-        """The ``count`` eigenvalues of A v = m K v of largest size, and their motions with v^T K v = 1."""
-        small = self.flexibility.T @ (self.basis.T @ (matrix @ self.basis)) @ self.flexibility
-        values, vectors = np.linalg.eigh((small + small.T) / 2)
-        chosen = np.argsort(-np.abs(values), kind="stable")[:count]
-        return values[chosen], self.basis @ (self.flexibility @ vectors[:, chosen])
+        values, motions = self.searched(matrix, count, None, uneven(self.n), which=which, tol=1e-13)
+        for k in range(SEARCHES):
+            order = np.argsort(smallness(values), kind="stable")[:count]
+            values, motions = values[order], motions[:, order]
+            if not passed_over(values):
+                return values, motions
+            start = np.cos((k + 2) * np.arange(self.n) ** 2 + k)
+            more, others = self.searched(matrix, count, (values, motions), start, which=which, tol=1e-13)
+            if np.min(smallness(more)) >= smallness(values)[-1]:
+                return values, motions
+            values, motions = np.concatenate([values, more]), np.concatenate([motions, others], axis=1)
+        raise AnalysisError(RESULTS.not_converged.name, RESULTS.not_converged.message)
 
 
 def orthonormal_allowed(tangent: Any, n: int) -> np.ndarray:
@@ -387,11 +344,7 @@ def lowest_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver
     """
     n, total = whole.n, sum(whole.elements.unknowns)
     every = 2 * n - total
-    if asks_for_all(count, every):
-        raise ModelError(
-            f"Argument `count` = {count}: sparse matrices give few of the {every} frequencies, not all. Ask for fewer,"
-            " or give sparse=False and a model with degrees of freedom."
-        )
+    refuse_all(count, every, "frequencies")
     if every <= 0:
         return Lowest(np.zeros(0), np.zeros((n, 0)), np.zeros((total - n, 0)))
     at = _below_all(whole, solver)

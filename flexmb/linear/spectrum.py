@@ -6,7 +6,7 @@ omega^2 = 1/mu - s.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax.numpy as jnp
 import numpy as np
@@ -49,77 +49,96 @@ SHIFT_GROWTH, MAX_SHIFTS = 8.0, 40
 EPS = float(np.finfo(float).eps)
 
 
-def shift_to_definite(
-    k: Float[Array, "n n"], m: Float[Array, "n n"]
-) -> tuple[Float[Array, ""], Bool[Array, ""], Bool[Array, ""]]:
-    """Smallest tried s >= 0 for which K + s M is positive definite [rad^2/s^2] (THEORY.md 7, eq. (7.2)).
+class Shift(NamedTuple):
+    """A shift s >= 0 for which K + s M is positive definite.
 
-    Also whether K itself is positive definite, and whether an s was found.
+    Attributes:
+        value: s [rad^2/s^2].
+        stable: Whether K itself is positive definite.
+        exists: Whether such an s was found.
+        lost: Whether eigenvalues are lost in round-off.
     """
-    s, stable, has_shift, _ = _shift(k, m)
-    return s, stable, has_shift
+
+    value: Float[Array, ""]
+    stable: Bool[Array, ""]
+    exists: Bool[Array, ""]
+    lost: Bool[Array, ""]
 
 
-def _shift(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> tuple[Any, Any, Any, Any]:
-    """:func:`shift_to_definite`, and whether eigenvalues are lost in round-off."""
+class _Lowering(NamedTuple):
+    """State of the search for a smaller shift; it ends when ``next_one`` is no smaller than ``shift``.
+
+    Attributes:
+        shift: Smallest useful shift so far; infinite before the first turn.
+        next_one: Shift to try in the next turn.
+        lowest: Lowest eigenvalue that is known beside round-off.
+        all_sure: Whether all eigenvalues are known beside round-off, and positive.
+        lost: Whether round-off hides some.
+    """
+
+    shift: Any
+    next_one: Any
+    lowest: Any
+    all_sure: Any
+    lost: Any
+
+
+def shift_to_definite(k: Float[Array, "n n"], m: Float[Array, "n n"]) -> Shift:
+    """Smallest tried shift for which K + s M is positive definite (THEORY.md 7, eq. (7.2)).
+
+    The first shift found is a share of the largest stiffness, possibly of a beam too short to matter in any other
+    motion. Then the eigenvalues are far below the digits of s. Each turn finds lower ones, until only zeros are left.
+    """
     k, m = lax.stop_gradient(k), lax.stop_gradient(m)
     ratio = jnp.max(jnp.abs(diagonal_of(k)), initial=0.0) / jnp.max(diagonal_of(m), initial=0.0)
     ratio = jnp.where(jnp.isfinite(ratio) & (ratio > 0), ratio, 1.0)
-    s, has_shift, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, DEFINITE_STIFFNESS * ratio)
-    stable = has_shift & (tries == 1)
+    first, exists, tries = _smallest(k, m, jnp.zeros(()), FIRST_SHIFT * ratio, DEFINITE_STIFFNESS * ratio)
+    stable = exists & (tries == 1)
 
-    # This shift is a share of the largest stiffness, possibly of a beam too short to matter in any other motion. Then
-    # the eigenvalues are far below the digits of s. Each turn finds lower ones, until only zeros are left.
-    def unfinished(carry: tuple[Any, ...]):
-        s, after, *_ = carry
-        return after < s
-
-    def lower(carry: tuple[Any, ...]):
-        s, after, lowest, all_sure, lost = carry
-        values, _, doubt = _eigenvalues(k, m, after, *pencil(m, k + after * m))
-        sure = values > jnp.maximum(SURE_EIGENVALUE * doubt, TOLD_BESIDE_SHIFT * after)
-        current_lowest = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
-        more = (current_lowest < lowest / 2) | jnp.isinf(s)
-        s, lowest = jnp.where(more, after, s), jnp.where(more, current_lowest, lowest)
-        all_sure, lost = jnp.where(more, jnp.all(sure), all_sure), jnp.where(more, is_lost(values, doubt), lost)
+    def lower(at: _Lowering) -> _Lowering:
+        tried = at.next_one
+        values, _, doubt = _eigenvalues(k, m, tried, *pencil(m, k + tried * m))
+        sure = values > jnp.maximum(SURE_EIGENVALUE * doubt, TOLD_BESIDE_SHIFT * tried)
+        lowest = jnp.min(jnp.where(sure, values, jnp.inf), initial=jnp.inf)
+        # The shift of the first turn always counts.
+        better = (lowest < at.lowest / 2) | jnp.isinf(at.shift)
+        shift, lowest = jnp.where(better, tried, at.shift), jnp.where(better, lowest, at.lowest)
         goal, definite, _ = _smallest(k, m, NEXT_SHIFT * lowest, SHIFT_GROWTH * NEXT_SHIFT * lowest, 0.0)
-        return s, jnp.where(more & definite & (lowest < s), goal, s), lowest, all_sure, lost
+        return _Lowering(
+            shift=shift,
+            next_one=jnp.where(better & definite & (lowest < shift), goal, shift),
+            lowest=lowest,
+            all_sure=jnp.where(better, jnp.all(sure), at.all_sure),
+            lost=jnp.where(better, is_lost(values, doubt), at.lost),
+        )
 
     no = jnp.array(False)
-    start = jnp.where(has_shift & ~stable, jnp.inf, s), s, jnp.array(jnp.inf), no, no
-    s, _, _, all_sure, lost = lax.while_loop(unfinished, lower, start)
-    return s, stable | (all_sure & is_positive_definite(k)), has_shift, lost
+    start = _Lowering(jnp.where(exists & ~stable, jnp.inf, first), first, jnp.array(jnp.inf), no, no)
+    end = lax.while_loop(lambda at: at.next_one < at.shift, lower, start)
+    return Shift(end.shift, stable | (end.all_sure & is_positive_definite(k)), exists, end.lost)
 
 
 def _smallest(
-    k: Float[Array, "n n"],
-    m: Float[Array, "n n"],
-    first: Float[Array, ""],
-    second: Float[Array, ""],
-    margin: float | Float[Array, ""],
+    k: Float[Array, "n n"], m: Float[Array, "n n"], first: Any, second: Any, margin: Any
 ) -> tuple[Any, Any, Any]:
     """Smallest shift tried with K + (s - margin) M positive definite, whether there is one, and number of tries."""
 
     def attempt(carry: tuple[Any, ...]):
-        _, after, _, tries = carry
-        has_shift = is_positive_definite(k + (after - margin) * m)
-        return after, jnp.where(tries == 0, second, SHIFT_GROWTH * after), has_shift, tries + 1
+        _, tried, _, tries = carry
+        is_definite = is_positive_definite(k + (tried - margin) * m)
+        return tried, jnp.where(tries == 0, second, SHIFT_GROWTH * tried), is_definite, tries + 1
 
     def unfinished(carry: tuple[Any, ...]):
-        _, _, has_shift, tries = carry
-        return ~has_shift & (tries <= MAX_SHIFTS)
+        _, _, is_definite, tries = carry
+        return ~is_definite & (tries <= MAX_SHIFTS)
 
     start = (jnp.zeros(()), first, jnp.array(False), jnp.zeros((), jnp.int32))
-    s, _, has_shift, tries = lax.while_loop(unfinished, attempt, start)
-    return s, has_shift, tries
+    s, _, is_definite, tries = lax.while_loop(unfinished, attempt, start)
+    return s, is_definite, tries
 
 
 def _eigenvalues(
-    k: Float[Array, "n n"],
-    m: Float[Array, "n n"],
-    shift: Float[Array, ""],
-    mu: Float[Array, "k"],
-    w: Float[Array, "n k"],
+    k: Float[Array, "n n"], m: Float[Array, "n n"], shift: Any, mu: Float[Array, "k"], w: Float[Array, "n k"]
 ) -> tuple[Any, Any, Any]:
     """Eigenvalues, infinite without mass, their vectors, and their round-off from the terms of v^T (K + s M) v."""
     massive = mu > MASSLESS_SHARE * k.shape[0] * jnp.max(mu, initial=0.0)
@@ -155,19 +174,19 @@ def spectrum(
             is positive definite; code of RESULTS: singular_mass if M has a negative eigenvalue, lost_in_round_off if
             stiffnesses are too far apart.
     """
-    shift, stable, has_shift, lost = _shift(k, m)
-    n = k.shape[0]
-    if count is None or count >= n:
-        mu, w = pencil(m, k + shift * m)
+    shift = shift_to_definite(k, m)
+    shifted = k + shift.value * m
+    if count is None or count >= k.shape[0]:
+        mu, w = pencil(m, shifted)
         mu, w = mu[::-1], w[:, ::-1]
     else:
-        mu, w = leading(m, k + shift * m, count)
-    values, vectors, doubt = _eigenvalues(k, m, shift, mu, w)
-    lost = lost | is_lost(lax.stop_gradient(values), doubt)
+        mu, w = leading(m, shifted, count)
+    values, vectors, doubt = _eigenvalues(k, m, shift.value, mu, w)
+    lost = shift.lost | is_lost(lax.stop_gradient(values), doubt)
     result = jnp.where(lost, RESULTS.lost_in_round_off, RESULTS.successful)
     result = jnp.where(is_positive_semidefinite(lax.stop_gradient(m)), result, RESULTS.singular_mass)
-    result = jnp.where(has_shift, result, RESULTS.singular_stiffness)
-    return values, vectors, stable, result.astype(jnp.int32)
+    result = jnp.where(shift.exists, result, RESULTS.singular_stiffness)
+    return values, vectors, shift.stable, result.astype(jnp.int32)
 
 
 def to_frequency(eigenvalues: Any) -> Any:

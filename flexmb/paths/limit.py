@@ -23,7 +23,7 @@ from ..results import RESULTS
 from ..statics.equilibrium import check_stiffness
 from ..statics.solve import change_of_equations
 from ..statics.solver_choice import by_sparse, known_solver
-from ..statics.sparse import Balanced, lacking_at, search_in_coordinates
+from ..statics.sparse import Balanced, Loaded, lacking_at, search_in_coordinates
 from .critical import begin_path, null_vectors
 from .sparse_walk import SPARSE_PATH, left_null_vector
 from .stepper import (
@@ -203,7 +203,7 @@ def _change_in_coordinates(topology: Topology, parameters: Parameters, limit: _L
     at = Balanced(point.x, point.multipliers, point.near)
 
     def lacking(parameters: Parameters):
-        return lacking_at(topology, parameters, factors, point.near, at)
+        return lacking_at(topology, parameters, Loaded(factors, point.near, at))
 
     _, change = jvp_of_varied(lacking, (parameters,), (tangents,))
     return -left_null_vector(topology, parameters, point, limit.plane) @ change

@@ -1,7 +1,7 @@
 """Equilibrium path over the load factor, past limit points, with stability and linearisation at every step."""
 
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Literal, NamedTuple, TypedDict, TypeVar, Unpack, overload
+from typing import Any, ClassVar, Literal, NamedTuple, TypedDict, Unpack, overload
 
 import jax
 import jax.core
@@ -22,7 +22,7 @@ from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_
 from ..math.linear_solver import DENSE
 from ..mechanics.blocks import kernel
 from ..mechanics.extent import extent_of
-from ..mechanics.loads import LoadFactors, lacks_potential
+from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
@@ -41,7 +41,7 @@ from .imperfection import bent_by_modes
 from .over_load import OverLoad
 from .sparse_path import SparsePath, path_of
 from .sparse_walk import SparseEquations
-from .stepper import factors_at
+from .stepper import Point, factors_at
 from .stops import STRESS, stops_of, unmet
 from .walk import DenseEquations, Step, Walker
 
@@ -118,12 +118,11 @@ class Path(OverLoad, ByName, AboutState, Along, Labelled, Record):
         """
         self.check_critical()
         linearizations = []
-        for point in self.critical_points:
-            last_strain = self.e[int(np.argmin(np.sum((np.asarray(self.x) - point.x) ** 2, axis=1)))]
-            factors = factors_at(self.model.parameters, point.load_factor)
-            linearizations.append(
-                _look_at(self.model.topology, self.model.parameters, factors, jax.device_put(point.x), last_strain)
-            )
+        for critical in self.critical_points:
+            last_strain = self.e[int(np.argmin(np.sum((np.asarray(self.x) - critical.x) ** 2, axis=1)))]
+            numbers: Any = critical.x, last_strain, None, critical.load_factor, np.zeros(0)
+            at = Point(*numbers)
+            linearizations.append(_look_at(self.model.topology, self.model.parameters, at, np.zeros((), np.int32)))
         matrices, multipliers = jax.tree.map(lambda *a: jax.device_put(np.stack(a)), *linearizations)
         values = jnp.asarray(np.sign(hertz := frequencies_along(matrices)) * (2 * np.pi * hertz) ** 2)
         loads = jax.device_put(np.array([point.load_factor for point in self.critical_points]))
@@ -151,31 +150,22 @@ def _with_complex(state: _PathState, step: Step) -> _PathState:
 
 
 @kernel
-def _look(topology: Topology, parameters: Parameters, step: Step) -> _PathState:
-    point = step.point
+def _look_at(topology: Topology, parameters: Parameters, point: Point, iterations: Int[Array, ""]):
+    """Matrices and load multipliers of a state."""
     factors = factors_at(parameters, point.load)
     at = state(topology, parameters, factors, point.x, point.near, strained=point.strained)
-    matrices = matrices_at(topology, parameters, factors, at, step.corrections, jnp.zeros((), jnp.int32))
-    multipliers = multipliers_of(
-        *scaled_stiffness(topology, parameters, at, point.near), unsymmetric=lacks_potential(topology)
-    )
+    matrices = matrices_at(topology, parameters, factors, at, iterations, jnp.zeros((), jnp.int32))
+    scaled = scaled_stiffness(topology, parameters, at, point.near)
+    return matrices, multipliers_of(*scaled, unsymmetric=lacks_potential(topology))
+
+
+@kernel
+def _look(topology: Topology, parameters: Parameters, step: Step) -> _PathState:
+    matrices, multipliers = _look_at(topology, parameters, step.point, step.corrections)
     if not matrices.symmetric:
         return _PathState(matrices, None, multipliers, None)
     eigenvalues, _, stable, _ = spectrum(matrices.K, matrices.M0)
     return _PathState(matrices, jnp.where(jnp.isnan(eigenvalues), jnp.inf, eigenvalues), multipliers, stable)
-
-
-@kernel
-def _look_at(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"], near: Float[Array, "n_e"]
-):
-    """Matrices and load multipliers of a state that is no step of the path."""
-    at = state(topology, parameters, factors, x, near)
-    zero = jnp.zeros((), jnp.int32)
-    matrices = matrices_at(topology, parameters, factors, at, zero, zero)
-    return matrices, multipliers_of(
-        *scaled_stiffness(topology, parameters, at, near), unsymmetric=lacks_potential(topology)
-    )
 
 
 class _Options(TypedDict, total=False):
@@ -284,29 +274,32 @@ def path(
     if check_whole("max_steps", max_steps) < 1 or not step > 0:
         raise ValueError(f"max_steps and step must be positive, but are {max_steps} and {step}.")
     to_switch = _switches(switch)
-    # The walk removes each switch from `to_switch` once it has used it.
-    asked = {} if imperfection else dict(to_switch)
+    wanted = _Wanted(step, max_steps, stop, to_switch, {} if imperfection else dict(to_switch), progress)
     if any(isinstance(leaf, jax.core.Tracer) for leaf in jax.tree.leaves(model)):
         raise TypeError("path needs concrete numbers. Differentiate equilibrium or limit_load instead.")
     if large:
         with one_thread():
             bent = model if imperfection is None else bent_by_modes(model, imperfection, sparse=True)
-            answer = _sparse_path(bent, step, max_steps, stop, to_switch, progress, throw, hanging=chosen is None)
+            answer = _sparse_path(bent, wanted, throw, hanging=chosen is None)
         if answer is not None:
-            return _checked(*answer, stop, to_switch, asked, throw)
+            return _checked(*answer, wanted, throw)
     model = as_determined(model, "path")
     model = model if imperfection is None else bent_by_modes(model, imperfection)
-    return _checked(*_dense_path(model, step, max_steps, stop, to_switch, progress), stop, to_switch, asked, throw)
+    return _checked(*_dense_path(model, wanted), wanted, throw)
 
 
-def _dense_path(
-    model: Model,
-    step: float,
-    max_steps: int,
-    stop: Mapping[str, float] | None,
-    to_switch: dict[int, int],
-    progress: Any,
-) -> tuple[Path, Walker]:
+class _Wanted(NamedTuple):
+    """Arguments of :func:`path`; ``to_switch`` loses each switch that the walk uses, ``asked`` keeps them."""
+
+    step: float
+    max_steps: int
+    stop: Mapping[str, float] | None
+    to_switch: dict[int, int]
+    asked: dict[int, int]
+    progress: Any
+
+
+def _dense_path(model: Model, wanted: _Wanted) -> tuple[Path, Walker]:
     """The path, and the walk that found it."""
 
     def found_at(step: Step) -> _PathState:
@@ -315,8 +308,8 @@ def _dense_path(
     def state_at(step: Step) -> Linearization:
         return Linearization(found_at(step).matrices, model)
 
-    walker = Walker(DenseEquations(model), step, stops_of(model, stop, state_at))
-    code = _follow(walker, max_steps, to_switch, progress)
+    walker = Walker(DenseEquations(model), wanted.step, stops_of(model, wanted.stop, state_at))
+    code = _follow(walker, wanted)
     states = [found_at(s) for s in walker.steps]
     if not states[0].matrices.symmetric:
         states = [_with_complex(state, step) for state, step in zip(states, walker.steps, strict=True)]
@@ -338,16 +331,7 @@ def _dense_path(
     return path, walker
 
 
-def _sparse_path(
-    model: Model,
-    step: float,
-    max_steps: int,
-    stop: Mapping[str, float] | None,
-    to_switch: dict[int, int],
-    progress: Any,
-    throw: bool,
-    hanging: bool,
-) -> tuple[SparsePath, Walker] | None:
+def _sparse_path(model: Model, wanted: _Wanted, throw: bool, hanging: bool) -> tuple[SparsePath, Walker] | None:
     """:func:`_dense_path` by sparse factors; None for a body without stiffness at the begin, if ``hanging``.
 
     A failure on the way leaves the states before it, also in the error.
@@ -357,12 +341,12 @@ def _sparse_path(
         return path_of(equations, walker, [step])
 
     equations = SparseEquations(model)
-    walker = Walker(equations, step, stops_of(model, stop, state_at))
+    walker = Walker(equations, wanted.step, stops_of(model, wanted.stop, state_at))
     if hanging and walker.code == RESULTS.singular_stiffness:
         # With dense matrices motions without stiffness do not move at first.
         return None
     try:
-        code = _follow(walker, max_steps, to_switch, progress)
+        code = _follow(walker, wanted)
     except AnalysisError as fault:
         path = fault.path = path_of(equations, walker, walker.steps, RESULTS[fault.code])
         if throw:
@@ -371,39 +355,29 @@ def _sparse_path(
     return path_of(equations, walker, walker.steps, code), walker
 
 
-def _follow(walker: Walker, max_steps: int, to_switch: dict[int, int], progress: Any) -> RESULTS:
+def _follow(walker: Walker, wanted: _Wanted) -> RESULTS:
     """Walk, and return why the walk ended."""
     for limit in walker.conditions:
         if limit.name == STRESS and (begun := limit.of(walker.steps[0])) >= limit.target:
             raise ValueError(
                 f'stop["{STRESS}"] is {short(limit.target)} Pa, but the path begins with {short(begun)} Pa.'
             )
-    with reporting(progress, "states, load factor") as report:
+    with reporting(wanted.progress, "states, load factor") as report:
         try:
-            return walker.walk(max_steps, to_switch, report)
+            return walker.walk(wanted.max_steps, wanted.to_switch, report)
         except KeyboardInterrupt:
             if report is None:
                 raise
             return RESULTS.stopped
 
 
-P = TypeVar("P", Path, SparsePath)
-
-
-def _checked(
-    path: P,
-    walker: Walker,
-    stop: Mapping[str, float] | None,
-    to_switch: dict[int, int],
-    asked: dict[int, int],
-    throw: bool,
-) -> P:
+def _checked(path: Path | SparsePath, walker: Walker, wanted: _Wanted, throw: bool) -> Path | SparsePath:
     """The path; raise if it did not reach its end, and warn of conditions that were not met."""
     code = RESULTS(int(path.result))
     if code == RESULTS.max_steps and np.max(np.abs(np.asarray(path.load_factor))) < NO_LOAD:
         # A motion whose stiffness is round-off moves without end.
         code = RESULTS.singular_stiffness
-    about = _instead_of_switch(path, asked) if asked.keys() - to_switch.keys() and code in LOST else ""
+    about = _instead_of_switch(path, wanted.asked) if wanted.asked.keys() - wanted.to_switch and code in LOST else ""
     try:
         check_stiffness(path.model, int(code), throw and code != RESULTS.stopped, about)
     except AnalysisError as error:
@@ -411,7 +385,7 @@ def _checked(
         raise
     warn_of_coarse(path.model, path.e)
     if code == RESULTS.successful:
-        _warn_of_unused(path, walker, stop, to_switch)
+        _warn_of_unused(path, walker, wanted)
     return path
 
 
@@ -443,15 +417,13 @@ def _switches(switch: Any) -> dict[int, int]:
     return {1: int(switch)} if switch else {}
 
 
-def _warn_of_unused(
-    path: Path | SparsePath, walker: Walker, stop: Mapping[str, float] | None, to_switch: dict[int, int]
-) -> None:
+def _warn_of_unused(path: Path | SparsePath, walker: Walker, wanted: _Wanted) -> None:
     """Warn of conditions and bifurcations that a path did not reach."""
-    if stop and path.stopped_by is None:
-        warn(unmet(stop, walker.steps, walker.conditions, len(walker.critical)))
-    if to_switch:
+    if wanted.stop and path.stopped_by is None:
+        warn(unmet(wanted.stop, walker.steps, walker.conditions, len(walker.critical)))
+    if wanted.to_switch:
         count = sum(point.kind == "bifurcation" for point in path.critical_points)
-        which = ", ".join(map(str, sorted(to_switch)))
+        which = ", ".join(map(str, sorted(wanted.to_switch)))
         warn(
             f"Argument `switch` names bifurcation {which}, but there are {count} of them on the path, up to load"
             f" factor {short(path.load_factor[-1])}."

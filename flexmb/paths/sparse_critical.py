@@ -1,7 +1,7 @@
 """Critical values of large mechanisms: pivots count negative values, iterations find the values nearest to zero."""
 
 from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,18 +21,6 @@ BASIS = 14
 TURNS = 4
 
 
-class Stiffness(Protocol):
-    """Stiffness by the deformations of elements, with less round-off than the factors."""
-
-    def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
-        """Between allowed motions, (n, k) and (n, m): (k, m)."""
-        ...
-
-    def forces(self, motions: np.ndarray) -> np.ndarray:
-        """Forces on motions, (n, k)."""
-        ...
-
-
 class CriticalValues(NamedTuple):
     """Critical values at a state; one represents all for an unsymmetric stiffness.
 
@@ -48,12 +36,13 @@ class CriticalValues(NamedTuple):
 
 
 def critical_values_of(
-    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Any
 ) -> CriticalValues:
     """Eigenvalues of the stiffness against the square of motions in extents and radians, under the constraints.
 
     They are found and counted by factors, whose round-off for many short beams spoils some digits, and then separated
-    in their motions by the better product ``stiffness``. ``start`` is a motion near the wanted ones.
+    in their motions by the better products of ``stiffness``, an :class:`flexmb.statics.tangent.Assembled`. ``start`` is
+    a motion near the wanted ones.
 
     Source:
         Shift-inverted Lanczos method of ARPACK; Ritz's method in motions and in flexibility times residuals (Davidson
@@ -91,7 +80,7 @@ def critical_values_of(
 
 
 def value_of_determinant(
-    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Stiffness
+    tangent: Any, factored: SparseFactors, sizes: np.ndarray, start: np.ndarray, stiffness: Any
 ) -> CriticalValues:
     """Smallest modulus of the eigenvalues of an unsymmetric stiffness, with the sign of the determinant.
 
@@ -135,7 +124,7 @@ def shifted(tangent: Any, shift: float, sizes: np.ndarray) -> SparseFactors:
 
 
 def _settled(
-    stiffness: Stiffness, moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, motions: np.ndarray
+    stiffness: Any, moved: Callable[[np.ndarray], np.ndarray], sizes: np.ndarray, motions: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Ascending values and motions, in extents and radians, of a stiffness that factors know with some error."""
     row_sizes, count = sizes[:, None], motions.shape[1]

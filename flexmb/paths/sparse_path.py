@@ -94,13 +94,10 @@ class SparsePath(OverLoad, ByName, Along, Labelled, Record):
             ValueError: A time is given.
         """
         chosen = self.step_of(step, time)
-        at = (self.x, self.e, self.sigma, self.reactions, self.external)
-        x, e, sigma, reactions, external = (jnp.asarray(np.asarray(rows)[chosen]) for rows in at)
-        gravity = None if self.felt.gravity is None else jnp.asarray(np.asarray(self.felt.gravity)[chosen])
-        zero, inertial_load = jnp.zeros((), jnp.int32), InertialLoad(gravity)
-        return about_state(
-            self.model, self.factors(chosen), x, e, sigma, inertial_load, reactions, external, zero, zero
-        )
+        rows = self.x, self.e, self.sigma, self.felt, self.reactions, self.external
+        at = jax.device_put(jax.tree.map(lambda states: np.asarray(states)[chosen], rows))
+        zero = jnp.zeros((), jnp.int32)
+        return about_state(self.model, self.factors(chosen), (*at, zero, zero))
 
     def linearizations(self) -> Any:
         """Raise TypeError: a large mechanism is linearised about one state at a time."""

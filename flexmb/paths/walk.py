@@ -253,18 +253,6 @@ class AcceptedStep(NamedTuple):
     last: Last | None
 
 
-class Departure(NamedTuple):
-    """Change of branch at a bifurcation.
-
-    Attributes:
-        new: First step on the other branch; None if it was not found.
-        is_neutral: Whether a second motion loses its stiffness there, and has none on the branch either.
-    """
-
-    new: AcceptedStep | None
-    is_neutral: bool
-
-
 class _Trial(NamedTuple):
     """A state on a step, and the value there whose zero is sought."""
 
@@ -504,8 +492,8 @@ class Walker:
         size = abs(at.critical_value(number))
         return size <= VANISHED_VALUE * max(abs(step.critical_value(number)) for step in (begin, end))
 
-    def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> list[Last] | None:
-        """First place of each condition that is met on a step; None if the path jumps."""
+    def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> AcceptedStep | None:
+        """The step up to the first place where a condition is met; None if the path jumps."""
         endings = []
         for condition in self.conditions:
             places = self.extremes(condition, begin, length, end, crossed)
@@ -521,7 +509,7 @@ class Walker:
                         return None
                     endings.append(last)
                     break
-        return endings
+        return AcceptedStep(begin, length, end, crossed, min(endings, key=lambda last: last.length, default=None))
 
     def extremes(
         self, condition: Condition, begin: Step, length: float, end: Step, crossed: list[Crossing]
@@ -612,12 +600,9 @@ class Walker:
             for _ in range(6):
                 new = self.advance(begin.point, direction, length)
                 if bool(new.converged) and float(new.cosine) > 0.5:
-                    start = begin._replace(tangent=direction)
-                    met = self.finish(start, length, new, [])
-                    if met is not None:
-                        return AcceptedStep(
-                            start, length, new, [], min(met, key=lambda last: last.length, default=None)
-                        )
+                    taken = self.finish(begin._replace(tangent=direction), length, new, [])
+                    if taken is not None:
+                        return taken
                     length /= 4
                     continue
                 way, size = self.chord(begin.point, new.point)
@@ -631,12 +616,7 @@ class Walker:
     def stride(self, begin: Step, length: float, end: Step, widest: float = WIDEST_GAP) -> AcceptedStep | None:
         """Critical points and conditions on a step; None if the path jumps on it."""
         crossed = self.cross(begin, length, end, widest)
-        if crossed is None:
-            return None
-        met = self.finish(begin, length, end, crossed)
-        if met is None:
-            return None
-        return AcceptedStep(begin, length, end, crossed, min(met, key=lambda last: last.length, default=None))
+        return None if crossed is None else self.finish(begin, length, end, crossed)
 
     def leap(self, begin: Step) -> AcceptedStep | None:
         """Shortest step over states that are not found; None without one."""
@@ -718,12 +698,10 @@ class Walker:
                     length /= SHORTER
                     continue
             departure = self.pass_critical_points(path_step, switch)
+            if isinstance(departure, RESULTS):
+                return departure
             if departure is not None:
-                if departure.is_neutral:
-                    return RESULTS.neutral_branch
-                if departure.new is None:
-                    return RESULTS.not_converged
-                path_step = departure.new
+                path_step = departure
             elif self.ended is not None:
                 return RESULTS.successful
             if path_step.last is not None:
@@ -741,8 +719,11 @@ class Walker:
             length = next_length(length, path_step.end.corrections, path_step.end.cosine)
         return self.code
 
-    def pass_critical_points(self, taken: AcceptedStep, switch: dict[int, int]) -> Departure | None:
-        """Add the critical points up to the end of a step, or to a bifurcation where the walk changes the branch."""
+    def pass_critical_points(self, taken: AcceptedStep, switch: dict[int, int]) -> AcceptedStep | RESULTS | None:
+        """Add the critical points up to the end of a step, or to a bifurcation where the walk changes the branch.
+
+        Returns the first step on another branch, or why there is none; None if the walk stays on the path.
+        """
         motions, loaded = self.motions(taken)
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
             if taken.last is not None and crossing.zero.length > taken.last.length:
@@ -756,7 +737,7 @@ class Walker:
             if crossing.kind == "bifurcation" and number in switch:
                 others, side = motions[i + 1 :], switch.pop(number)
                 if len(motions) > 1 and self.is_neutral(taken, crossing, phi):
-                    return Departure(None, True)
+                    return RESULTS.neutral_branch
                 way, _ = self.chord(taken.begin.point, taken.end.point)
                 along_phi, along_load = (
                     abs(weighted_product(self.scale, way, unit(self.scale, d))) for d in (phi, loaded[i])
@@ -764,5 +745,5 @@ class Walker:
                 if along_phi > along_load:
                     # The walk came along phi: the other branch follows the load.
                     phi, others = loaded[i], []
-                return Departure(self.branch(crossing.zero.step, phi, others, side), False)
+                return self.branch(crossing.zero.step, phi, others, side) or RESULTS.not_converged
         return None

@@ -218,9 +218,13 @@ def without_stiffness(model: Model) -> str:
     topology = model.topology
     if is_nonlinear(topology):
         return ""
-    if topology.n_x > LARGE:
-        loose = _loose_of_large(model)
-        return _loose_note(model, loose) if loose.size else ""
+    loose = _loose_of_large(model) if topology.n_x > LARGE else _loose_motions(model)
+    return _loose_note(model, loose) if loose.shape[1] else ""
+
+
+def _loose_motions(model: Model) -> np.ndarray:
+    """Motions without stiffness, (n_x, k), of any number."""
+    topology = model.topology
     elastic = np.zeros(topology.n_e, bool)
     for at, _, matrices in known_stiffness_pieces(topology, model.parameters):
         elastic[np.asarray(at)] |= np.einsum("eii->ei", np.asarray(matrices)) > 0
@@ -228,21 +232,19 @@ def without_stiffness(model: Model) -> str:
     constraint_set = constraints(model)
     motions, _ = allowed_motions(model, constraint_set)
     _, _, free = null_spaces(constraint_set.jacobian[elastic] @ motions)
-    loose = constraint_set.motion(motions @ free, np.arange(topology.n_x))
-    return _loose_note(model, loose) if loose.shape[1] else ""
+    return constraint_set.motion(motions @ free, np.arange(topology.n_x))
 
 
 def _loose_of_large(model: Model) -> np.ndarray:
     """The motion without stiffness, (n_x, 1), or none, by sparse factors."""
     assembled = AssembledEquations(jax.tree.map(np.asarray, undeformed_elements(model.topology, model.parameters)))
     motion = unresisted(assembled.at(), assembled.n)
-    stiffness = assembled.at()[: assembled.n, : assembled.n]
     if motion is None:
         return np.zeros((model.topology.n_x, 0))
-    meeting, resistance = motion**2 * np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
-    if resistance > LOOSE_MOTION * np.sum(meeting) and resistance > LOOSE_BY_ROUND_OFF * np.max(
-        np.abs(stiffness.diagonal())
-    ):
+    stiffness = assembled.at()[: assembled.n, : assembled.n]
+    stiffnesses, resistance = np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
+    least = max(LOOSE_MOTION * np.sum(motion**2 * stiffnesses), LOOSE_BY_ROUND_OFF * np.max(stiffnesses))
+    if resistance > least:
         return np.zeros((model.topology.n_x, 0))
     loose = np.zeros((model.topology.n_x, 1))
     loose[assembled.elements.free, 0] = motion

@@ -118,17 +118,6 @@ class LoadStep(NamedTuple):
         return following, bad & (shorter < SMALLEST_LOAD_STEP)
 
 
-def first_load_step() -> LoadStep:
-    """The whole load in one step."""
-    return LoadStep(
-        reached=jnp.array(0.0),
-        step=jnp.array(1.0),
-        first=jnp.array(1.0),
-        before=jnp.array(jnp.inf),
-        tries=jnp.zeros((), jnp.int32),
-    )
-
-
 # Size to which corrections are shortened if nothing is elastic, as for a pendulum, and their largest number.
 LOOSE_CORRECTION, MOST_LOOSE = 0.5, 30
 
@@ -291,6 +280,103 @@ def _unit_energy_motion(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Arr
     return soft, turn.energy(soft)
 
 
+class _EquilibriumSearch(NamedTuple):
+    """The equations of a search for an equilibrium, and one turn of its loop."""
+
+    form: MatrixForm
+    topology: Topology
+    parameters: Parameters
+    target: LoadFactors
+    begin: Begin
+
+    def equations(self, trial: Iterate, load: Float[Array, ""]) -> tuple[Turn, Any]:
+        """Equations at a trial state and a share of the load, and stress-free deformations there or None."""
+        topology, parameters = self.topology, self.parameters
+        factors = _between(self.begin.factors, self.target, load)
+        prescribed = prescribed_values(topology, parameters, factors)
+        free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
+        strained = trial.strained if free is None else trial.strained + free
+        return self.form.turn(topology, parameters, factors, trial._replace(strained=strained), prescribed), free
+
+    def needs_no_stiffness(self, s: _Search, at: Turn, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+        """Whether the mechanism is undeformed, without loads and without the pull of laws."""
+        topology, parameters = self.topology, self.parameters
+        loaded, still = has_loads(topology, parameters), s.iterations == 0
+        if loaded:
+            idle = is_idle(topology, parameters, self.target)
+            still = still & idle & jnp.all(s.trial.x == parameters.reference)
+        if not loaded or is_nonlinear_at_rest(topology):
+            still = still & at.is_round_off(sizes)
+        return still
+
+    def falls(self) -> bool:
+        """Whether nothing may be elastic, as for a pendulum. Prescribed motion needs load steps; a fall does not."""
+        prescribed = self.topology.x.prescribed.shape[0] + self.topology.e.prescribed.shape[0]
+        unknown_motions, _ = self.form.unknowns(self.topology)
+        return unknown_motions > 0 and not prescribed and self.parameters.loads.temperature is None
+
+    def after_change(self, at: Turn, change: Float[Array, "n_x"], trial: Iterate, free: Any) -> Iterate:
+        """The iterate after a change of the coordinates of a trial state, with the multipliers of the trial state."""
+        x, strained = trial.x + change, at.e + at.deformed(change)
+        # The turn of an angle follows the iterate, whose steps are below half a turn.
+        counts = self.topology.counts_turns
+        last_strain = deformations(self.topology, self.parameters, x, at.e) if counts else strained
+        return Iterate(x, last_strain, strained if free is None else strained - free, trial.multipliers)
+
+    def turn(self, s: _Search) -> _Search:
+        """State of the loop after one Newton iteration, or after a look at the final state."""
+        sizes = coordinate_scales(self.topology, self.parameters)
+        going, steps = ~s.finishing, s.steps
+        load = jnp.where(going, steps.load, 1.0)
+        at, free = self.equations(s.trial, load)
+        soft, energy = _unit_energy_motion(at, s.soft)
+        correction = at.corrected(soft)
+        still = self.needs_no_stiffness(s, at, sizes)
+        change = jnp.where(still, 0.0, correction.change)
+        size = jnp.max(jnp.abs(change) / sizes, initial=0.0)
+        refused = going & steps.astray(size)
+        if self.falls():
+            # If nothing is elastic, a smaller load makes no smaller correction. Tried once, at the whole load.
+            loose = ~jnp.any(at.stiffnesses() > 0) & jnp.isfinite(size) & (steps.tries < MOST_LOOSE)
+            loose = loose & (steps.reached == 0) & (steps.step == 1)
+            change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
+            refused = refused & ~loose
+        enough = steps.near_enough(size)
+        if not self.form.knows_stress:
+            # The first tangent has neither multipliers nor the stress of warmed elements.
+            enough = enough & (still | (steps.tries > 0))
+        accepted = going & enough & ~refused
+        after = self.after_change(at, change, s.trial, free)
+        multipliers = jnp.where(still, s.trial.multipliers, correction.multipliers)
+        after = after._replace(multipliers=multipliers)
+        following, failed = steps.after(size, accepted, refused)
+        ends = failed | (accepted & (load >= 1.0))
+        # Zero if nothing is stiff without load: that alone is no critical state.
+        softness = jnp.sqrt(at.energy(correction.softer) / jnp.where(energy > 0, energy, 1.0))
+        softness = jnp.where(still, 0.0, softness)
+        new = _Search(
+            last=at.last,
+            finishing=ends,
+            finished=s.finishing if self.form.looks_at_end else ends,
+            done=_where(accepted, after, s.done),
+            trial=_where(refused, s.done, after),
+            steps=following,
+            soft=correction.softer,
+            softness=jnp.where(going, softness, s.softness),
+            iterations=s.iterations + going.astype(jnp.int32),
+            result=jnp.where(failed, correction.failure, s.result).astype(jnp.int32),
+        )
+        if correction.estimated is None:
+            return new
+        again = s._replace(last=at.last, trial=s.trial._replace(multipliers=correction.estimated))
+        return _where(jnp.any(correction.estimated != 0), again, new)
+
+
+def _where(condition: Bool[Array, ""], one: Any, other: Any) -> Any:
+    """One of two pytrees, by a traced condition."""
+    return jax.tree.map(lambda a, b: jnp.where(condition, a, b), one, other)
+
+
 def search_equilibrium(
     form: MatrixForm, topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin
 ) -> Searched:
@@ -304,80 +390,14 @@ def search_equilibrium(
     The power method for the largest 1/mu of K v = mu K0 v makes one step per turn with the factors at hand. It shows,
     from below, whether the state is critical.
     """
-    sizes = coordinate_scales(topology, parameters)
-    loaded = has_loads(topology, parameters)
-    idle, laws = is_idle(topology, parameters, target), is_nonlinear_at_rest(topology)
-    # Prescribed motion needs load steps; a pendulum's fall does not.
-    moved = topology.x.prescribed.shape[0] + topology.e.prescribed.shape[0] > 0
-    falls = form.unknowns(topology)[0] > 0 and not moved and parameters.loads.temperature is None
-
-    def equations(trial: Iterate, load: Float[Array, ""]):
-        factors = _between(begin.factors, target, load)
-        prescribed = prescribed_values(topology, parameters, factors)
-        free = free_deformations(topology, parameters, scaled_loads(parameters, factors))
-        strained = trial.strained if free is None else trial.strained + free
-        return form.turn(topology, parameters, factors, trial._replace(strained=strained), prescribed), free
-
-    def turn(s: _Search) -> _Search:
-        going, steps, (x, *_) = ~s.finishing, s.steps, s.trial
-        load = jnp.where(going, steps.load, 1.0)
-        at, free = equations(s.trial, load)
-        soft, energy = _unit_energy_motion(at, s.soft)
-        correction = at.corrected(soft)
-        # Undeformed, without loads and pull of laws, no stiffness is needed.
-        still = s.iterations == 0
-        if loaded:
-            still = still & idle & jnp.all(x == parameters.reference)
-        if not loaded or laws:
-            still = still & at.is_round_off(sizes)
-        change = jnp.where(still, 0.0, correction.change)
-        size = jnp.max(jnp.abs(change) / sizes, initial=0.0)
-        bad = going & steps.astray(size)
-        if falls:
-            # If nothing is elastic, a smaller load makes no smaller correction. Tried once, at the whole load.
-            loose = ~jnp.any(at.stiffnesses() > 0) & jnp.isfinite(size) & (steps.tries < MOST_LOOSE)
-            loose = loose & (steps.reached == 0) & (steps.step == 1)
-            change = jnp.where(loose & (size > LOOSE_CORRECTION), change * (LOOSE_CORRECTION / size), change)
-            bad = bad & ~loose
-        enough = steps.near_enough(size)
-        if not form.knows_stress:
-            # The first tangent has neither multipliers nor the stress of warmed elements.
-            enough = enough & (still | (steps.tries > 0))
-        finished = going & enough & ~bad
-        trial = x + change
-        strained = at.e + at.deformed(change)
-        # The turn of an angle follows the iterate, whose steps are below half a turn.
-        last_strain = deformations(topology, parameters, trial, at.e) if topology.counts_turns else strained
-        multipliers = jnp.where(still, s.trial.multipliers, correction.multipliers)
-        after = Iterate(trial, last_strain, strained if free is None else strained - free, multipliers)
-        following, failed = steps.after(size, finished, bad)
-        ends = failed | (finished & (load >= 1.0))
-        # Zero if nothing is stiff without load: that alone is no critical state.
-        softness = jnp.sqrt(at.energy(correction.softer) / jnp.where(energy > 0, energy, 1.0))
-        softness = jnp.where(still, 0.0, softness)
-        new = _Search(
-            last=at.last,
-            finishing=ends,
-            finished=s.finishing if form.looks_at_end else ends,
-            done=jax.tree.map(lambda a, b: jnp.where(finished, a, b), after, s.done),
-            trial=jax.tree.map(lambda a, b: jnp.where(bad, b, a), after, s.done),
-            steps=following,
-            soft=correction.softer,
-            softness=jnp.where(going, softness, s.softness),
-            iterations=s.iterations + going.astype(jnp.int32),
-            result=jnp.where(failed, correction.failure, s.result).astype(jnp.int32),
-        )
-        if correction.estimated is None:
-            return new
-        again = s._replace(last=at.last, trial=s.trial._replace(multipliers=correction.estimated))
-        repeats = jnp.any(correction.estimated != 0)
-        return jax.tree.map(lambda a, b: jnp.where(repeats, a, b), again, new)
-
-    zero, no = jnp.zeros((), jnp.int32), jnp.array(False)
-    nothing = jax.eval_shape(lambda trial: equations(trial, jnp.array(1.0))[0].last, begin.at)
+    search = _EquilibriumSearch(form, topology, parameters, target, begin)
+    zero, one, none, no = jnp.array(0.0), jnp.array(1.0), jnp.zeros((), jnp.int32), jnp.array(False)
+    nothing = jax.eval_shape(lambda trial: search.equations(trial, one)[0].last, begin.at)
     nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)
-    start = _Search(nothing, no, no, begin.at, begin.at, first_load_step(), begin.soft, jnp.array(0.0), zero, zero)
-    end = jax.lax.while_loop(lambda s: ~s.finished, turn, start)
+    # The whole load in one step.
+    first = LoadStep(reached=zero, step=one, first=one, before=jnp.array(jnp.inf), tries=none)
+    start = _Search(nothing, no, no, begin.at, begin.at, first, begin.soft, zero, none, none)
+    end = jax.lax.while_loop(lambda s: ~s.finished, search.turn, start)
     successful = end.result == RESULTS.successful
     critical = successful & (end.softness > 1 / CRITICAL_SHARE)
     result = jnp.where(critical, RESULTS.critical_state, end.result).astype(jnp.int32)

@@ -1,7 +1,7 @@
 """Equilibrium in the degrees of freedom, by dense matrices, and its derivatives."""
 
 import functools
-from typing import Any, NamedTuple
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -20,7 +20,7 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS
-from .newton_search import Begin, Correction, Iterate, MatrixForm, prescribed_values, search_equilibrium
+from .newton_search import Begin, Correction, Iterate, MatrixForm, Searched, prescribed_values, search_equilibrium
 from .newton_search import unloaded_start as undeformed_of
 
 
@@ -68,18 +68,9 @@ FREEDOMS = MatrixForm(TurnInFreedoms, lambda topology: (topology.n_q, 0), looks_
 undeformed = functools.partial(undeformed_of, FREEDOMS)
 
 
-class _Solved(NamedTuple):
-    at: State
-    near: Float[Array, "n_e"]
-    reached: Begin
-    iterations: Int[Array, ""]
-    result: Int[Array, ""]
-
-
 @jax.custom_jvp
-def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> _Solved:
-    at, reached, iterations, result = search_equilibrium(FREEDOMS, topology, parameters, target, begin)
-    return _Solved(at, reached.at.near, reached, iterations, result)
+def _solve(topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin) -> Searched:
+    return search_equilibrium(FREEDOMS, topology, parameters, target, begin)
 
 
 def change_of_equations(
@@ -112,17 +103,16 @@ def _solve_jvp(primals: tuple[Any, ...], tangents: tuple[Any, ...]):
     """The derivative of the equations at constant x, solved by the tangent; the start of the search has no effect."""
     topology, parameters, target, begin = primals
     solved = _solve(topology, parameters, target, begin)
-    last_strain = jax.lax.stop_gradient(solved.near)
-    excess, shift, imbalance = change_of_equations(topology, solved.at, last_strain, primals[1:3], tangents[1:3])
-    dx, _ = linear_response(topology, solved.at, excess, shift, imbalance)
+    last_strain, at = jax.lax.stop_gradient(solved.reached.at.near), solved.last
+    excess, shift, imbalance = change_of_equations(topology, at, last_strain, primals[1:3], tangents[1:3])
+    dx, _ = linear_response(topology, at, excess, shift, imbalance)
 
     def evaluated(parameters: Parameters, target: LoadFactors, x: Float[Array, "n_x"]):
         return state(topology, parameters, target, x, last_strain)
 
-    _, changed = jvp_of_varied(evaluated, (parameters, target, solved.at.x), (*tangents[1:3], dx))
+    _, changed = jvp_of_varied(evaluated, (parameters, target, at.x), (*tangents[1:3], dx))
     no_change: Any = np.zeros((), jax.dtypes.float0)
-    still = jax.tree.map(jnp.zeros_like, solved.reached)
-    return solved, _Solved(changed, jnp.zeros_like(last_strain), still, no_change, no_change)
+    return solved, Searched(changed, jax.tree.map(jnp.zeros_like, solved.reached), no_change, no_change)
 
 
 _solve.defjvp(_solve_jvp, symbolic_zeros=True)
@@ -139,10 +129,10 @@ def solve_state(
     # The pull of laws in the undeformed mechanism is only known as a number.
     if has_loads(topology, parameters) or is_nonlinear_at_rest(topology):
         begin = undeformed(topology, parameters)
-        at, last_strain, result, iterations, reached = solve_onward(topology, parameters, target, begin)
+        at, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         if not tell_critical:
             result = jnp.where(result == RESULTS.critical_state, RESULTS.successful, result)
-        return at, last_strain, result, iterations, reached.factors
+        return at, reached.at.near, result, iterations, reached.factors
     last_strain, zero = zero_strain(topology), jnp.zeros((), jnp.int32)
     at = state(topology, parameters, target, parameters.reference, last_strain, loaded=False)
     return at, last_strain, _singular_if_irregular(at, zero), zero, target
@@ -150,14 +140,14 @@ def solve_state(
 
 def solve_onward(
     topology: Topology, parameters: Parameters, target: LoadFactors, begin: Begin
-) -> tuple[State, Float[Array, "n_e"], Int[Array, ""], Int[Array, ""], Begin]:
+) -> tuple[State, Int[Array, ""], Int[Array, ""], Begin]:
     """Equilibrium from a known one, with loads between them; differentiable, but not by the start.
 
-    Returns state, ``last_strain``, code of RESULTS, critical_state included, number of Newton iterations, and the start
-    for the next equilibrium.
+    Returns state, code of RESULTS, critical_state included, number of Newton iterations, and the start for the next
+    equilibrium.
     """
-    at, last_strain, reached, iterations, result = _solve(topology, parameters, target, begin)
-    return at, last_strain, _singular_if_irregular(at, result), iterations, jax.lax.stop_gradient(reached)
+    at, reached, iterations, result = _solve(topology, parameters, target, begin)
+    return at, _singular_if_irregular(at, result), iterations, jax.lax.stop_gradient(reached)
 
 
 def _singular_if_irregular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:

@@ -7,6 +7,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arguments import check_flag, short_repr
+from ..errors import ModelError
 from ..math.linear_solver import DENSE, SOLVERS, SPARSE, LinearSolver
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model
@@ -98,6 +99,15 @@ def few_of(given: Any, count: int | None) -> bool:
     return not asks_for_all(count, topology.x.free.shape[0] - topology.e.held.shape[0])
 
 
-def asks_for_all(count: int, every: int) -> bool:
+def asks_for_all(count: int, every: int, many: int = MANY) -> bool:
     """Whether too many of all eigenvalues are wanted for sparse matrices."""
-    return 3 * count >= every > MANY
+    return 3 * count >= every > many
+
+
+def refuse_all(count: int, every: int, what: str, many: int = MANY) -> None:
+    """Raise ModelError if :func:`asks_for_all`; ``what`` they are, such as "frequencies"."""
+    if asks_for_all(count, every, many):
+        raise ModelError(
+            f"Argument `count` = {count}: sparse matrices give few of the {every} {what}, not all. Ask for fewer, or"
+            " give sparse=False and a model with degrees of freedom."
+        )

@@ -65,32 +65,42 @@ class Balanced(NamedTuple):
     unstable: Any = False
 
 
+class Loaded(NamedTuple):
+    """A state under loads.
+
+    Attributes:
+        factors: Load factors.
+        near: Its deformations, without a derivative.
+        at: The state.
+    """
+
+    factors: LoadFactors
+    near: Float[Array, "n_e"]
+    at: Balanced
+
+
 def _answer(
-    elements: ElementMatrices,
-    right: Any,
-    *,
-    transposed: bool = False,
-    better: bool = True,
-    solver: LinearSolver = SPARSE,
+    elements: ElementMatrices, right: Any, *, solver: LinearSolver, transposed: bool = False, better: bool = True
 ):
     """Solution of the linear equations on the host, and a code of RESULTS, by NumPy and SciPy alone.
 
     ``better``: whether to refine the solution by the elements' matrices. The next correction reduces other errors.
     """
+
+    def solve(z: np.ndarray):
+        return factors.solve(z, transposed)
+
     try:
         factors = solver.factored(elements)
         if factors.regular:
-            if not better:
-                solution = factors.solve(right, transposed)
-            else:
+            if better:
                 columns, sizes = right.reshape(len(right), -1), elements.sizes[elements.free]
-                solution = refined_solution(
-                    lambda z: forces(elements, z, transposed), lambda z: factors.solve(z, transposed), columns, sizes
-                ).reshape(right.shape)
-            return solution, np.array(RESULTS.successful, np.int32)
-        why = (
-            RESULTS.singular_stiffness if AssembledEquations(elements).independent() else RESULTS.singular_configuration
-        )
+                solution = refined_solution(lambda z: forces(elements, z, transposed), solve, columns, sizes)
+            else:
+                solution = solve(right)
+            return solution.reshape(right.shape), np.array(RESULTS.successful, np.int32)
+        independent = AssembledEquations(elements).independent()
+        why = RESULTS.singular_stiffness if independent else RESULTS.singular_configuration
     except AnalysisError as fault:
         why = RESULTS[fault.code]
     return np.full(np.shape(right), np.nan), np.array(why, np.int32)
@@ -111,13 +121,7 @@ def _estimated(elements: ElementMatrices, right: Float[np.ndarray, "r"]) -> Floa
     return factors.solve(np.concatenate([right[:n], np.zeros(len(right) - n)]))[n:]
 
 
-def _turned(
-    elements: ElementMatrices,
-    right: Float[np.ndarray, "r 2"],
-    multipliers: Float[np.ndarray, "h"],
-    *,
-    solver: LinearSolver,
-):
+def _turned(elements: ElementMatrices, right: np.ndarray, multipliers: np.ndarray, *, solver: LinearSolver):
     """Solution of the linear equations of a turn, a code of RESULTS, and multipliers to try instead of none.
 
     A hanging body has its stiffness from multipliers, which are unknown where a load begins.
@@ -178,9 +182,8 @@ class TurnInCoordinates:
         # The stress at x, to first order from the stress of the iterated deformations.
         self._stress_change = lambda change: jax.jvp(stress, (strained,), (change,))
         balancing = put(sum(self._stress_change(self.e - strained)), constrained, self._multipliers)
-        lacking = nodal_forces(topology, parameters, factors, x) - elements_times(
-            topology.n_x, self.transposed, balancing
-        )
+        pulling = elements_times(topology.n_x, self.transposed, balancing)
+        lacking = nodal_forces(topology, parameters, factors, x) - pulling
         self.onto = put(jnp.zeros(topology.n_x), fast, wanted_x[fast] - x[fast])
         self.right = jnp.concatenate([lacking[free], (wanted_e - self.e)[constrained]]) - self.forces_of(self.onto)
 
@@ -202,9 +205,8 @@ class TurnInCoordinates:
         absolute = [(r, c, jnp.abs(d)) for r, c, d in self.last.constraints]
         error = DEFORMATION_ROUND_OFF * elements_times(self.e.shape[0], absolute, sizes)
         largest = jnp.abs(self._stress_change(error)[1])
-        pulled = elements_times(len(sizes), [(c, r, jnp.abs(d)) for c, r, d in self.transposed], largest)[
-            self.last.free
-        ]
+        across = [(c, r, jnp.abs(d)) for c, r, d in self.transposed]
+        pulled = elements_times(len(sizes), across, largest)[self.last.free]
         return jnp.all(jnp.abs(self.right[: len(pulled)]) <= pulled)
 
     def stiffnesses(self) -> Float[Array, "n"]:
@@ -258,7 +260,7 @@ def search_in_coordinates(
         symmetric = not lacks_potential(topology)
         unstable = pivots_tell_unstable(jax.tree.map(np.asarray, elements), symmetric)
         if unstable and symmetric:
-            elements = _tangent(topology, parameters, target, last_strain, balance)
+            elements = _tangent(topology, parameters, Loaded(target, last_strain, balance))
             unstable = has_negative_motion(jax.tree.map(np.asarray, elements))
         return balance._replace(unstable=unstable)
     return balance
@@ -277,37 +279,30 @@ def _balanced(
 
 
 @kernel
-def lacking_at(
-    topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced
-):
+def lacking_at(topology: Topology, parameters: Parameters, loaded: Loaded):
     """Forces out of balance at the coordinates that move, and excess of the held deformations."""
-    free, fast, constrained = unknowns(topology)
+    (factors, last_strain, at), (free, fast, constrained) = loaded, unknowns(topology)
     wanted_x, wanted_e = prescribed_values(topology, parameters, factors)
     x = put(at.x, fast, wanted_x[fast])
-    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, near), x)
+    e, pull = jax.vjp(lambda x: deformations(topology, parameters, x, last_strain), x)
     sigma = put(elastic_stress(topology, parameters, factors, e), constrained, at.multipliers)
     force = pull(sigma)[0] - nodal_forces(topology, parameters, factors, x)
     return jnp.concatenate([force[free], (e - wanted_e)[constrained]])
 
 
 @kernel
-def _tangent(topology: Topology, parameters: Parameters, factors: LoadFactors, near: Float[Array, "n_e"], at: Balanced):
+def _tangent(topology: Topology, parameters: Parameters, loaded: Loaded):
     """Element matrices of the tangent at a state."""
-    sigma = put(elastic_stress(topology, parameters, factors, near), unknowns(topology)[2], at.multipliers)
-    return element_matrices(topology, parameters, factors, at.x, near, sigma, near)[0]
+    factors, last_strain, at = loaded
+    sigma = put(elastic_stress(topology, parameters, factors, last_strain), unknowns(topology)[2], at.multipliers)
+    return element_matrices(topology, parameters, factors, at.x, last_strain, sigma, last_strain)[0]
 
 
 def solution_at(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    near: Float[Array, "n_e"],
-    at: Balanced,
-    right: Float[Array, "r"],
-    solver: LinearSolver = SPARSE,
+    topology: Topology, parameters: Parameters, loaded: Loaded, right: Float[Array, "r"], solver: LinearSolver = SPARSE
 ) -> tuple[Array, Array]:
     """Solution of the equations linearised about a state, and a code; differentiable by ``right`` alone."""
-    elements = _tangent(topology, parameters, factors, near, at)
+    elements = _tangent(topology, parameters, loaded)
     if is_concrete((elements, right)):
         solution, code = _answer(*jax.tree.map(np.asarray, (elements, right)), solver=solver)
         return jax.device_put((solution, code))
@@ -332,11 +327,11 @@ def _balance_jvp(solver: LinearSolver, primals: tuple[Any, ...], tangents: tuple
     free, fast, _ = unknowns(topology)
 
     def equations(parameters: Parameters, factors: LoadFactors):
-        return lacking_at(topology, parameters, factors, last_strain, solved)
+        return lacking_at(topology, parameters, Loaded(factors, last_strain, solved))
 
     _, change = jvp_of_varied(equations, primals[1:], tangents[1:])
     _, moved = jvp_of_varied(lambda *numbers: prescribed_values(topology, *numbers)[0][fast], primals[1:], tangents[1:])
-    z, code = solution_at(topology, parameters, factors, last_strain, solved, -change, solver)
+    z, code = solution_at(topology, parameters, Loaded(factors, last_strain, solved), -change, solver)
     check(code, True)
     dx = put(put(jnp.zeros(topology.n_x), free, z[: free.shape[0]]), fast, moved)
     no_change: Any = np.zeros((), jax.dtypes.float0)
@@ -375,8 +370,8 @@ def _collect_unstable(topology: Topology, parameters: Parameters, target: LoadFa
     """Add the code of an unstable state if codes are collected, as for traced designs."""
     if is_concrete((topology, parameters, target)) or not collects():
         return
-    known: Any = jax.lax.stop_gradient((parameters, target, at))
-    elements = _tangent(topology, *known[:2], known[2].near, known[2])
+    known: Any = jax.lax.stop_gradient((parameters, Loaded(target, at.near, at)))
+    elements = _tangent(topology, *known)
     host_check = functools.partial(_is_unstable, symmetric=not lacks_potential(topology))
     unstable = call_host(functools.partial(on_host_thread, host_check), (jax.ShapeDtypeStruct((), bool),), elements)[0]
     collect(jnp.where(unstable, RESULTS.unstable_state, RESULTS.successful))

@@ -113,10 +113,9 @@ class Equilibria(ByName, Labelled, Record):
 @kernel
 def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors):
     def onward(begin: Begin, target: LoadFactors):
-        at, _, result, iterations, reached = solve_onward(topology, parameters, target, begin)
+        at, result, iterations, reached = solve_onward(topology, parameters, target, begin)
         # After a failure, the next search starts from the last equilibrium that was found.
-        good = (result == RESULTS.successful) | (result == RESULTS.critical_state)
-        factors = reached.factors
+        good, factors = (result == RESULTS.successful) | (result == RESULTS.critical_state), reached.factors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
         outside = reactions_of(topology, at), external_of(topology, parameters, at)
         unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), symmetric=not lacks_potential(topology))

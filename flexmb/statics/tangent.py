@@ -113,17 +113,7 @@ def element_matrices(
     return elements, e
 
 
-@jit
-def at_state(
-    topology: Topology,
-    parameters: Parameters,
-    factors: LoadFactors,
-    x: Float[Array, "n_x"],
-    near: Float[Array, "n_e"],
-    sigma: Float[Array, "n_e"],
-):
-    """:func:`element_matrices`, compiled by itself."""
-    return element_matrices(topology, parameters, factors, x, near, sigma)
+at_state = jit(element_matrices)
 
 
 class Assembled:

@@ -6,7 +6,7 @@ import scipy.linalg
 import scipy.sparse
 
 import flexmb as fm
-from flexmb.linear.sparse_spectrum import AllowedMotions, change_by_iteration, check_converged
+from flexmb.linear.sparse_spectrum import Constrained, change_by_iteration, check_converged
 from flexmb.math.sparse import SparseFactors
 
 
@@ -30,7 +30,7 @@ def test_motions_that_constraints_leave_and_their_values():
     root, rows = rng.standard_normal((7, 7)), rng.standard_normal((2, 7))
     stiffness, other = root @ root.T + np.eye(7), np.diag(np.arange(-3.0, 4.0))
     tangent = scipy.sparse.csc_array(np.block([[stiffness, rows.T], [rows, np.zeros((2, 2))]]))
-    values, motions = AllowedMotions(tangent, SparseFactors(tangent), 7).largest(scipy.sparse.csc_array(other), 3)
+    values, motions = Constrained(tangent, 7, SparseFactors(tangent)).all_of_few(scipy.sparse.csc_array(other), 3)
     free = scipy.linalg.null_space(rows)
     exact = scipy.linalg.eigh(free.T @ other @ free, free.T @ stiffness @ free, eigvals_only=True)
     # Round-off of a condition of 1e2.
