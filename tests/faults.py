@@ -2987,8 +2987,8 @@ FAULTS = [
     ),
     Fault(
         "answers/mode_5_perturbation.py",
-        "return -np.asarray(nominal.f0)",
-        "return np.asarray(nominal.f0)",
+        'step["f0"] = -f0',
+        'step["f0"] = f0',
         "answers/test_trajectory.py -k base",
         slow=True,
     ),

@@ -82,11 +82,8 @@ def _state_quantities(result: Any, names: Sequence[str]) -> Quantities:
     along = {label.replace(" ", "_"): Column((row,), np.asarray(states.along), unit)}
     if not names:
         return Quantities((row,), along, {name: column._replace(over=(row,)) for name, column in _coordinates(result)})
-    columns = {}
-    for text in names:
-        series = _series(result, text)
-        columns[text] = Column((row,), series.values, series.unit)
-    return Quantities((row,), along, columns)
+    answers = {text: _series(result, text) for text in names}
+    return Quantities((row,), along, {text: Column((row,), s.values, s.unit) for text, s in answers.items()})
 
 
 def _series(result: Any, text: str) -> Any:

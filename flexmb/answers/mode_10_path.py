@@ -12,11 +12,8 @@ from .mode import Mode, ModeRequest, ModeResult
 
 
 def _step(path_result: Path, i: int) -> dict[str, Any]:
-    lin, values, multipliers = (
-        path_result.linearization(i),
-        np.asarray(path_result.eigenvalues)[i],
-        np.asarray(path_result.multipliers)[i],
-    )
+    lin = path_result.linearization(i)
+    values, multipliers = np.asarray(path_result.eigenvalues)[i], np.asarray(path_result.multipliers)[i]
     finite = np.isfinite(values)
     return {
         "load_factor": float(np.asarray(path_result.load_factor)[i]),

@@ -104,19 +104,9 @@ def over_time(values: ArrayLike, entries: Sequence[Entry]) -> dict[str, list]:
 def origins(model: Model) -> np.ndarray:
     """Origins of the outputs, (n_y,): a file means coordinates, not displacements."""
     start = np.asarray(model.parameters.reference)
-    positional = [s.quantity == "position" and s.axis is None for s in model.labels.outputs]
     return np.array(
-        [
-            start[s.index] if is_position else 0.0
-            for s, is_position in zip(model.labels.outputs, positional, strict=True)
-        ]
+        [start[s.index] if s.quantity == "position" and s.axis is None else 0.0 for s in model.labels.outputs]
     )
-
-
-def _signals(motion: Motion) -> dict[str, Any]:
-    """Inputs, zero unless they prescribe motion, and outputs along a motion."""
-    outputs = np.asarray(outputs_of(motion)) + origins(motion.model)
-    return {"u0": np.asarray(inputs_that_move(motion)), "y0": outputs}
 
 
 def steps_of(found: Motion) -> tuple[dict[str, Any], list[str]]:
@@ -194,8 +184,7 @@ def run(asked: ModeRequest, linearised: bool = False) -> ModeResult:
         return ModeResult(extra)
     reached = np.all(np.isfinite(np.asarray(motion.x)), axis=1)
     if not reached[-1]:
-        count = int(np.argmin(reached))
-        motion = motion.until(count)
+        motion = motion.until(int(np.argmin(reached)))
     if code == RESULTS.singular_mass:
         extra["message"] = f"{code.message} {without_mass(model)}"
     if not len(motion.t):
@@ -203,7 +192,10 @@ def run(asked: ModeRequest, linearised: bool = False) -> ModeResult:
     seen = motion.observe()
     labels = motion.labels
     along, warnings = steps_of(motion) if linearised else ({}, [])
-    along |= _signals(motion) if linearised else {}
+    if linearised:
+        # Inputs are zero unless they prescribe motion.
+        along["u0"] = np.asarray(inputs_that_move(motion))
+        along["y0"] = np.asarray(outputs_of(motion)) + origins(model)
     data = {
         **extra,
         "x": {node: rows[-1] for node, rows in over_time(motion.x, labels.x).items()},

@@ -1,19 +1,12 @@
 """Mode 5: force on released degrees of freedom along a trajectory, by the perturbation method."""
 
-from typing import Any
-
 import numpy as np
 
 from ..model.model import Model
-from ..trajectory.vibrations import Perturbation, perturbation
+from ..trajectory.vibrations import perturbation
 from .mode import Mode, ModeRequest, ModeResult
 from .mode_1_simulate import RTOL
 from .mode_2_inverse import linearised, nominal_data, nominal_motion, table
-
-
-def _force(nominal: Any) -> np.ndarray:
-    """Force on the released degrees of freedom, (n_t, n_q) [N, N m]."""
-    return -np.asarray(nominal.f0)
 
 
 def _start(model: Model, led: list[str]) -> np.ndarray:
@@ -27,8 +20,8 @@ def run(asked: ModeRequest, integrated: bool = False) -> ModeResult:
     """The linearised equations with the force; with ``integrated`` also the vibrations."""
     nominal, led = nominal_motion(asked, 6 if integrated else 5)
     along = linearised(asked, nominal)
-    for step, force in zip(along["steps"], _force(nominal), strict=True):
-        step["f0"] = force
+    for step, f0 in zip(along["steps"], np.asarray(nominal.f0), strict=True):
+        step["f0"] = -f0
     if not integrated:
         return ModeResult({**nominal_data(nominal), **along}, nominal.motion)
     if not nominal.motion.model.topology.n_q:
@@ -36,11 +29,6 @@ def run(asked: ModeRequest, integrated: bool = False) -> ModeResult:
         return ModeResult({**nominal_data(nominal), "dq": np.zeros((len(nominal.t), 0)), **along}, nominal.motion)
     rtol = asked.settings.get("ERROR", {}).get("relative", RTOL)
     vibrations = perturbation(nominal, qd=_start(nominal.motion.model, led), rtol=rtol)
-    return _superposed(nominal, vibrations, along)
-
-
-def _superposed(nominal: Any, vibrations: Perturbation, along: dict[str, Any]) -> ModeResult:
-    """Nominal motion and vibrations together."""
     total_motion = vibrations.motion()
     return ModeResult({**nominal_data(nominal, total_motion), "dq": np.asarray(vibrations.q), **along}, total_motion)
 

@@ -11,6 +11,7 @@ from ..arguments import check_flag, computed, is_concrete, undifferentiated
 from ..compilation.compile import jit, unguarded
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, warn
+from ..math.indices import put
 from ..math.linear import diagonal_of, factorise, unit_scale
 from ..math.linear_solver import LinearSolver
 from ..math.rotation import lbar, rotation_matrix
@@ -168,13 +169,9 @@ def _unit_forces(
     x: Float[Array, "n_x"], parts: tuple[Any, ...], free: Int[Array, "n"], held: Int[Array, "h"], *, local: bool
 ) -> Float[Array, "n_and_h r"]:
     """Unit forces along displacements and about rotations, on the coordinates that move, and zeros for multipliers."""
-    rows = _directions(x, parts, local)
-    along = jnp.zeros((sum(row.shape[0] for row in rows), x.shape[0]))
-    start = 0
-    for row, part in zip(rows, parts, strict=True):
-        along = along.at[start : start + row.shape[0], part].set(row)
-        start += row.shape[0]
-    return jnp.concatenate([along.T[free], jnp.zeros((held.shape[0], along.shape[0]))])
+    pairs = zip(_directions(x, parts, local), parts, strict=True)
+    along = jnp.concatenate([put(jnp.zeros((x.shape[0], len(row))), part, row.T) for row, part in pairs], axis=1)
+    return jnp.concatenate([along[free], jnp.zeros((held.shape[0], along.shape[1]))])
 
 
 def compliance_of(m: Matrices, parts: tuple[Int[Array, "_n"], ...], local: bool):

@@ -99,11 +99,6 @@ def _frequencies(topology: Topology, parameters: Parameters, target: LoadFactors
     return _frequencies_at(matrices(topology, parameters, target), count=count)
 
 
-def _frequencies_of_motion(lin: Linearization, count: int | None) -> Float[Array, "n"]:
-    """Frequencies about a state of motion, whose stiffness may be unsymmetric; NaN if complex."""
-    return jnp.asarray(real_frequencies(np.asarray(lin.matrices.K), np.asarray(lin.matrices.M0))[:count])
-
-
 def refuse_unsymmetric(symmetric: bool) -> None:
     """Raise NotImplementedError for frequencies of a stiffness without a potential."""
     if not symmetric:
@@ -178,10 +173,11 @@ def frequencies(
     # Studies of designs also collect whether a state is stable.
     if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
-        if at is not None and model.matrices.moving is not None:
-            return _frequencies_of_motion(model, count)
-        refuse_unsymmetric(model.matrices.symmetric)
-        values, result = _frequencies_at(model.matrices, count=count)
+        m = model.matrices
+        if at is not None and m.moving is not None:
+            return jnp.asarray(real_frequencies(np.asarray(m.K), np.asarray(m.M0))[:count])
+        refuse_unsymmetric(m.symmetric)
+        values, result = _frequencies_at(m, count=count)
     else:
         where.refuse("frequencies")
         target = load_factors_of(as_determined(model, "frequencies"), 1.0, increment, "frequencies")

@@ -1,5 +1,6 @@
 """Section resultants and stress on the surface of flexible elements, at a static equilibrium."""
 
+import functools
 import itertools
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -171,8 +172,10 @@ class Stress(Labelled, Record):
         stresses = {name: (values, unit) for name, (values, unit) in self.quantities().items() if unit in ("Pa", "-")}
         extremes = _extremes(stresses, self.names, self.places, self._at_points())
         rows = {"result": outcome_text(self.resultants.result), **extremes}
-        if self.strength is not None and (silent := self._without("strength")):
-            rows["without strength"] = listed(silent)
+        if self.strength is not None:
+            unknown = np.all(np.isinf(np.asarray(self.strength)), axis=1)
+            if np.any(unknown):
+                rows["without strength"] = listed(list(itertools.compress(self.names, unknown)))
         if self.left_out:
             rows["without stress"] = listed(self.left_out)
         *states, count, places, points = self.von_mises.shape
@@ -236,11 +239,6 @@ class Stress(Labelled, Record):
 
     def _over(self, quantity: str) -> Float[Array, "elements places"]:
         return jnp.max(self.von_mises, axis=-1) / self._limit(quantity)
-
-    def _without(self, quantity: str) -> list[str]:
-        """Names of elements whose material states no such quantity."""
-        unknown = np.all(np.isinf(np.asarray(self._limit(quantity))), axis=1)
-        return [name for name, missing in zip(self.names, unknown, strict=True) if missing]
 
     def smooth_utilisation(self, sharpness: float = 50.0) -> Float[Array, ""]:
         """Return an upper estimate of the largest :attr:`utilisation`, () [-], whose derivative has no jumps.
@@ -391,15 +389,14 @@ def _stress_in(asked: _Asked, state: Stressed):
             if "surface" in block.companions:
                 alike = {n: jax.tree.map(lambda p, at=part: p[at], v) for n, v in properties.items() if n != "section"}
                 function, alike = companion_of(block, {**alike, "section": stack}, "surface")
-                ref = asked.parameters.reference[block.x]
-                block_stresses.append(
-                    _along(function, strain[block.e][part], ref[part], alike, asked.places, values_of_stack)
-                )
+                e, ref = strain[block.e][part], asked.parameters.reference[block.x][part]
+                at_places = jax.vmap(functools.partial(_by_companion, function), (None, None, None, 0, 0))
+                at_elements = jax.vmap(at_places, (0, 0, 0, None, 0))
+                block_stresses.append(at_elements(e, ref, alike, asked.places, values_of_stack))
             elif stack.has_shape:
                 at_places = jax.vmap(lambda s, length, place, r: s.at(place, length).stress(r), (None, None, 0, 0))
-                block_stresses.append(
-                    jax.vmap(at_places, (0, 0, None, 0))(stack, length, asked.places, values_of_stack)
-                )
+                at_elements = jax.vmap(at_places, (0, 0, None, 0))
+                block_stresses.append(at_elements(stack, length, asked.places, values_of_stack))
             else:
                 # Rigid elements in a block with flexible ones have no stress; ``rows`` leaves these zeros out.
                 block_stresses.append((jnp.zeros((*values_of_stack.shape[:2], POINTS)),) * 2)
@@ -433,22 +430,9 @@ def _borne(asked: _Asked) -> dict[str, Float[Array, "k places"]]:
     return limits
 
 
-def _along(
-    function: Callable[..., Any],
-    e: Float[Array, "elements n"],
-    ref: Float[Array, "elements c"],
-    properties: dict[str, Any],
-    places: Float[Array, "places"],
-    resultants: Float[Array, "elements places 6"],
-):
-    """Stress by an element's own companion, at places along each element."""
-
-    def at(
-        e: Any, ref: Any, element_properties: dict[str, Any], place: Float[Array, ""], resultants: Float[Array, "6"]
-    ):
-        return function((e,), ref, element_properties, place=place, resultants=resultants)
-
-    return jax.vmap(jax.vmap(at, (None, None, None, 0, 0)), (0, 0, 0, None, 0))(e, ref, properties, places, resultants)
+def _by_companion(function: Callable[..., Any], e: Any, ref: Any, properties: dict[str, Any], place: Any, force: Any):
+    """Stress by an element's own companion at a place, from the section resultants there."""
+    return function((e,), ref, properties, place=place, resultants=force)
 
 
 @jit
@@ -625,9 +609,8 @@ def stress(
     """
     left_out = left_out_of_stress(as_model(model, "stress"))
     where = Where(at, step, time, increment)
-    names, asked, result, several = _state(
-        model, "stress", points, where, left_out, load_factor=load_factor, sparse=sparse, throw=throw
-    )
+    options: Any = dict(load_factor=load_factor, sparse=sparse, throw=throw)
+    names, asked, result, several = _state(model, "stress", points, where, left_out, **options)
     values, sigma_x, tau, equivalent, more = _stress(asked, several=several)
     resultants = SectionResultants(values, jax.device_put(asked.places), result, names)
     stresses = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
