@@ -28,7 +28,7 @@ from ..model.topology import Topology
 from ..results import RESULTS, check, collect, or_nan, outcome_text
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import Equilibrium, check_stiffness
-from ..statics.solve import external_of, reactions_of, solve_state
+from ..statics.solve import acting_at, solve_state
 from ..statics.solver_choice import asked_solver
 from ..statics.sparse import sparse_equilibrium
 from ..statics.stable import collect_unstable
@@ -346,6 +346,7 @@ def matrices_at(
         loads = scaled_loads(parameters, factors)
         _, damping = stress_tangents(topology, parameters, loads, at.S, damping, at.e)
     at_rest = jnp.zeros_like(mass)
+    felt, reactions, external = acting_at(topology, parameters, at)
     k0, g0 = at.K0, at.G0
     finite = jnp.all(jnp.isfinite(mass)) & jnp.all(jnp.isfinite(k0)) & jnp.all(jnp.isfinite(g0))
     result = jnp.where((result == RESULTS.successful) & ~finite, RESULTS.not_finite, result)
@@ -363,9 +364,9 @@ def matrices_at(
         x=at.x,
         e=at.e,
         sigma=at.sigma,
-        felt=InertialLoad(at.gravity),
-        reactions=reactions_of(topology, at),
-        external=external_of(topology, parameters, at),
+        felt=felt,
+        reactions=reactions,
+        external=external,
         iterations=iterations,
         result=result.astype(jnp.int32),
         symmetric=not lacks_potential(topology),

@@ -27,7 +27,7 @@ from ..model.topology import Topology
 from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, outcome_text
 from .coarse import warn_of_coarse
-from .solve import external_of, reactions_of, solve_state
+from .solve import acting_at, solve_state
 from .solver_choice import LARGE, is_long_chain, solver_for
 from .sparse import sparse_equilibrium, undeformed_elements
 from .stable import collect_unstable, unstable_motions, warn_of_unstable
@@ -106,8 +106,7 @@ class Equilibrium(ByName, Result, Record):
 @kernel
 def _equilibrium(topology: Topology, parameters: Parameters, target: LoadFactors):
     at, _, result, iterations, reached = solve_state(topology, parameters, target, tell_critical=True)
-    outside = reactions_of(topology, at), external_of(topology, parameters, at)
-    answer = at.x, at.e, at.sigma, InertialLoad(at.gravity), *outside, iterations, result
+    answer = at.x, at.e, at.sigma, *acting_at(topology, parameters, at), iterations, result
     # Only for checks: their derivatives would take longer than all others.
     k0 = at.K0
     return answer, jax.lax.stop_gradient((k0 + at.G0, k0, at.transfer.DFx, reached))

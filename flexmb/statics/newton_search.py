@@ -281,13 +281,20 @@ def _unit_energy_motion(turn: Turn, soft: Float[Array, "n"]) -> tuple[Array, Arr
 
 
 class _EquilibriumSearch(NamedTuple):
-    """The equations of a search for an equilibrium, and one turn of its loop."""
+    """The equations of a search for an equilibrium, and one turn of its loop.
+
+    Attributes:
+        sizes: Of the coordinates, for scaling.
+        idle: Whether all loads and initial strains are zero.
+    """
 
     form: MatrixForm
     topology: Topology
     parameters: Parameters
     target: LoadFactors
     begin: Begin
+    sizes: Float[Array, "n_x"]
+    idle: Bool[Array, ""] | bool
 
     def equations(self, trial: Iterate, load: Float[Array, ""]) -> tuple[Turn, Any]:
         """Equations at a trial state and a share of the load, and stress-free deformations there or None."""
@@ -298,15 +305,13 @@ class _EquilibriumSearch(NamedTuple):
         strained = trial.strained if free is None else trial.strained + free
         return self.form.turn(topology, parameters, factors, trial._replace(strained=strained), prescribed), free
 
-    def needs_no_stiffness(self, s: _Search, at: Turn, sizes: Float[Array, "n_x"]) -> Bool[Array, ""]:
+    def needs_no_stiffness(self, s: _Search, at: Turn) -> Bool[Array, ""]:
         """Whether the mechanism is undeformed, without loads and without the pull of laws."""
-        topology, parameters = self.topology, self.parameters
-        loaded, still = has_loads(topology, parameters), s.iterations == 0
+        loaded, still = has_loads(self.topology, self.parameters), s.iterations == 0
         if loaded:
-            idle = is_idle(topology, parameters, self.target)
-            still = still & idle & jnp.all(s.trial.x == parameters.reference)
-        if not loaded or is_nonlinear_at_rest(topology):
-            still = still & at.is_round_off(sizes)
+            still = still & self.idle & jnp.all(s.trial.x == self.parameters.reference)
+        if not loaded or is_nonlinear_at_rest(self.topology):
+            still = still & at.is_round_off(self.sizes)
         return still
 
     def falls(self) -> bool:
@@ -325,15 +330,14 @@ class _EquilibriumSearch(NamedTuple):
 
     def turn(self, s: _Search) -> _Search:
         """State of the loop after one Newton iteration, or after a look at the final state."""
-        sizes = coordinate_scales(self.topology, self.parameters)
         going, steps = ~s.finishing, s.steps
         load = jnp.where(going, steps.load, 1.0)
         at, free = self.equations(s.trial, load)
         soft, energy = _unit_energy_motion(at, s.soft)
         correction = at.corrected(soft)
-        still = self.needs_no_stiffness(s, at, sizes)
+        still = self.needs_no_stiffness(s, at)
         change = jnp.where(still, 0.0, correction.change)
-        size = jnp.max(jnp.abs(change) / sizes, initial=0.0)
+        size = jnp.max(jnp.abs(change) / self.sizes, initial=0.0)
         refused = going & steps.astray(size)
         if self.falls():
             # If nothing is elastic, a smaller load makes no smaller correction. Tried once, at the whole load.
@@ -347,8 +351,7 @@ class _EquilibriumSearch(NamedTuple):
             enough = enough & (still | (steps.tries > 0))
         accepted = going & enough & ~refused
         after = self.after_change(at, change, s.trial, free)
-        multipliers = jnp.where(still, s.trial.multipliers, correction.multipliers)
-        after = after._replace(multipliers=multipliers)
+        after = after._replace(multipliers=jnp.where(still, s.trial.multipliers, correction.multipliers))
         following, failed = steps.after(size, accepted, refused)
         ends = failed | (accepted & (load >= 1.0))
         # Zero if nothing is stiff without load: that alone is no critical state.
@@ -390,7 +393,8 @@ def search_equilibrium(
     The power method for the largest 1/mu of K v = mu K0 v makes one step per turn with the factors at hand. It shows,
     from below, whether the state is critical.
     """
-    search = _EquilibriumSearch(form, topology, parameters, target, begin)
+    sizes, idle = coordinate_scales(topology, parameters), is_idle(topology, parameters, target)
+    search = _EquilibriumSearch(form, topology, parameters, target, begin, sizes, idle)
     zero, one, none, no = jnp.array(0.0), jnp.array(1.0), jnp.zeros((), jnp.int32), jnp.array(False)
     nothing = jax.eval_shape(lambda trial: search.equations(trial, one)[0].last, begin.at)
     nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)

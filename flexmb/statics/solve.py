@@ -12,7 +12,7 @@ from ..math.derivative import jvp_of_varied
 from ..math.indices import put
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformation_jacobian, zero_strain
-from ..mechanics.inertia import weight
+from ..mechanics.inertia import InertialLoad, weight
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
@@ -155,13 +155,12 @@ def _singular_if_irregular(at: State, result: Int[Array, ""]) -> Int[Array, ""]:
     return jnp.where(converged & ~at.transfer.regular, RESULTS.singular_configuration, result).astype(jnp.int32)
 
 
-def reactions_of(topology: Topology, at: State) -> Float[Array, "n_x"]:
-    """Forces of the supports on the mechanism, D_x^T sigma - f, at FIXED and PRESCRIBED coordinates, zero elsewhere."""
+def acting_at(topology: Topology, parameters: Parameters, at: State) -> tuple[InertialLoad, Array, Array]:
+    """Gravity, forces of the supports on the mechanism, and external forces (loads except weight, plus reactions).
+
+    Reactions are D_x^T sigma - f at FIXED and PRESCRIBED coordinates, zero elsewhere.
+    """
     constrained = topology.x.held
-    return put(jnp.zeros(topology.n_x), constrained, (at.jacobian.T @ at.sigma - at.force)[constrained])
-
-
-def external_of(topology: Topology, parameters: Parameters, at: State) -> Float[Array, "n_x"]:
-    """External forces on the mechanism: loads except weight, plus reactions."""
+    reactions = put(jnp.zeros(topology.n_x), constrained, (at.jacobian.T @ at.sigma - at.force)[constrained])
     loads = at.force if at.gravity is None else at.force - weight(topology, parameters, at.x, at.gravity)
-    return loads + reactions_of(topology, at)
+    return InertialLoad(at.gravity), reactions, loads + reactions

@@ -13,7 +13,6 @@ from ..compilation.record import Record
 from ..display import Labelled, States, Summary, course, span
 from ..errors import ModelError, warn
 from ..mechanics.blocks import kernel
-from ..mechanics.inertia import InertialLoad
 from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
@@ -22,7 +21,7 @@ from ..model.topology import Topology
 from ..results import ANSWERED, RESULTS, collect, or_nan
 from .coarse import warn_of_coarse
 from .equilibrium import Equilibrium, check_stiffness, load_factor_text
-from .solve import Begin, external_of, reactions_of, solve_onward, undeformed
+from .solve import Begin, acting_at, solve_onward, undeformed
 from .stable import is_negative
 
 
@@ -117,9 +116,8 @@ def _equilibria(topology: Topology, parameters: Parameters, targets: LoadFactors
         # After a failure, the next search starts from the last equilibrium that was found.
         good, factors = (result == RESULTS.successful) | (result == RESULTS.critical_state), reached.factors
         begin = jax.tree.map(lambda new, old: jnp.where(good, new, old), reached, begin)
-        outside = reactions_of(topology, at), external_of(topology, parameters, at)
         unstable = is_negative(*jax.lax.stop_gradient((at.K0 + at.G0, at.K0)), symmetric=not lacks_potential(topology))
-        state = at.x, at.e, at.sigma, InertialLoad(at.gravity), *outside, iterations, result
+        state = at.x, at.e, at.sigma, *acting_at(topology, parameters, at), iterations, result
         return begin, (state, unstable, factors)
 
     start = jax.lax.stop_gradient(undeformed(topology, parameters))
