@@ -1808,12 +1808,6 @@ FAULTS = [
         "fmu/test_save.py -k start_stressed",
     ),
     Fault(
-        "statics/stable.py",
-        "if symmetric:\n        # Fast",
-        "if True:\n        # Fast",
-        "statics/test_stable.py -k both_triangles",
-    ),
-    Fault(
         "results.py",
         "number * factor.reshape(shape) + jnp.reshape(lost",
         "number * jnp.reshape(factor.reshape(shape) + lost",

@@ -10,6 +10,7 @@ import numpy as np
 from ..arguments import is_concrete, undifferentiated
 from ..checks.mobility import allowed_motions, constraints, shares
 from ..errors import AnalysisError
+from ..math.by_deformations import motions_from_free
 from ..math.element_matrices import AssembledEquations
 from ..math.linear import unit_scale
 from ..math.sparse import unresisted
@@ -164,9 +165,7 @@ def unresisted_note(lin: Linearization) -> str:
     motion = unresisted(assembled.at(), assembled.n)
     if motion is None:
         return ""
-    full = np.zeros((lin.model.topology.n_x, 1))
-    full[elements.free, 0] = motion
-    return f"Here that is {moving_names(lin.model, full)}."
+    return f"Here that is {moving_names(lin.model, motions_from_free(elements, motion[:, None]))}."
 
 
 @contextlib.contextmanager

@@ -16,7 +16,7 @@ from ..arguments import as_known, is_concrete, library_of
 from ..compilation.compile import jit
 from ..compilation.threads import one_thread
 from ..errors import AnalysisError, ModelError
-from ..math.by_deformations import energies
+from ..math.by_deformations import energies, motions_from_free
 from ..math.derivative import jvp_of_varied
 from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices, matrix_times, times_transposed
 from ..math.indices import accumulate, put
@@ -90,8 +90,7 @@ def smallest_of_sparse(given: MultiplierMatrices, *, count: int, solver: LinearS
         _refuse_unstable(staying, solver)
     buckled = _smallest(staying, (scaled, given.scaled), noise, count, solver)
     # By deformations: the round-off of a matrix of many short beams is much larger.
-    bounded, motions = np.isfinite(buckled.values), np.zeros((len(elements.sizes), count))
-    motions[elements.free] = buckled.motions
+    bounded, motions = np.isfinite(buckled.values), motions_from_free(elements, buckled.motions)
     # As for dense matrices: no load acts if all scaled stiffness is round-off.
     bounded &= np.any(np.abs(buckled.geometric) > _round_off(elements.sizes, given.scaled, motions))
     elastic = energies(elements, motions)

@@ -165,8 +165,7 @@ def _lowest_on_host(elements: ElementMatrices, *, count: int, solver: LinearSolv
     assembled = AssembledEquations(elements)
     refuse_negative_masses(assembled)
     values, moving, multipliers = lowest_of_sparse(assembled, count, solver)
-    motions = np.zeros((len(elements.sizes), count))
-    motions[elements.free] = moving
+    motions = motions_from_free(elements, moving)
     heaviest = np.max(assembled.mass.diagonal() * elements.sizes[elements.free] ** 2, initial=0.0)
     false = _false_stiffness(elements) / heaviest if heaviest else 0.0
     # A free motion has an eigenvalue near zero and no elastic energy; a critical state has one beside other

@@ -12,6 +12,7 @@ from ..checks.mobility import allowed_motions, constraints, shares
 from ..compilation.compile import unguarded
 from ..compilation.record import Record, static
 from ..display import Result, States, Summary, largest, short, unit_of_force
+from ..math.by_deformations import motions_from_free
 from ..math.element_matrices import AssembledEquations
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..math.sparse import unresisted
@@ -245,9 +246,7 @@ def _loose_of_large(model: Model) -> np.ndarray:
     least = max(LOOSE_MOTION * np.sum(motion**2 * stiffnesses), LOOSE_BY_ROUND_OFF * np.max(stiffnesses))
     if resistance > least:
         return np.zeros((model.topology.n_x, 0))
-    loose = np.zeros((model.topology.n_x, 1))
-    loose[assembled.elements.free, 0] = motion
-    return loose
+    return motions_from_free(assembled.elements, motion[:, None])
 
 
 def _loose_note(model: Model, loose: np.ndarray) -> str:

@@ -1,6 +1,5 @@
 """Stability of an equilibrium, and the warning of an unstable one."""
 
-import contextlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +11,7 @@ from jaxtyping import Array, Bool, Float
 from ..checks.mobility import shares
 from ..compilation.compile import jit
 from ..errors import warn
-from ..math.by_deformations import energies
+from ..math.by_deformations import energies, motions_from_free
 from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import diagonal_of, uneven
 from ..math.sparse import negative_under_constraints
@@ -35,11 +34,6 @@ def unstable_motions(
     instability, and the motions belong to real negative eigenvalues.
     """
     k, k0 = np.asarray(stiffness), np.asarray(structural)
-    if symmetric:
-        # Fast for almost all states: existence of a factor does not depend on units. It reads the lower triangle.
-        with contextlib.suppress(np.linalg.LinAlgError):
-            np.linalg.cholesky(k)
-            return np.zeros((len(k), 0))
     sizes = np.sqrt(np.maximum(np.abs(np.diag(k)), np.abs(np.diag(k0))))
     scale = 1 / np.where(sizes > 0, sizes, 1.0)
     k, k0 = k * np.outer(scale, scale), k0 * np.outer(scale, scale)
@@ -135,10 +129,9 @@ def has_negative_motion(elements: ElementMatrices) -> bool:
         return False
     between = basis.T @ (metric @ images)
     values, shares = np.linalg.eigh((between + between.T) / 2)
-    softest = np.zeros((len(elements.sizes), 1))
-    softest[elements.free, 0] = images @ shares[:, 0]
-    elastic = float(energies(elements, softest)[0])
-    curved = float(softest[elements.free, 0] @ (assembled.curved @ softest[elements.free, 0]))
+    softest = images @ shares[:, 0]
+    elastic = float(energies(elements, motions_from_free(elements, softest[:, None]))[0])
+    curved = float(softest @ (assembled.curved @ softest))
     return bool(values[0] < 0 and elastic + curved < -NEGATIVE_SHARE * (abs(elastic) + abs(curved)))
 
 

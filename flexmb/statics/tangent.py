@@ -9,7 +9,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import computed
 from ..compilation.compile import jit
-from ..math.by_deformations import deformations_of_motions, energies_between, forces_of
+from ..math.by_deformations import deformations_of_motions, energies_between, forces_of, motions_from_free
 from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices, by_coordinates
 from ..math.indices import accumulate, put
 from ..math.sparse import SparseFactors
@@ -131,20 +131,13 @@ class Assembled:
         """Deformations of a motion of all coordinates, (n_e,)."""
         return deformations_of_motions(self.whole.elements, motion[:, None])[:, 0]
 
-    def forces_of(self, motions: np.ndarray) -> np.ndarray:
-        """Changes of the equations by motions of all coordinates, (n + h, k)."""
-        return forces_of(self.whole.elements, motions)
-
     def between(self, left: np.ndarray, right: np.ndarray) -> np.ndarray:
         """Stiffness between motions of the coordinates that move, (n, k) and (n, m), with little round-off."""
-        elastic = energies_between(self.whole.elements, self._spread(left), self._spread(right))
-        return elastic + left.T @ (self.whole.curved @ right)
+        elements = self.whole.elements
+        moved = (motions_from_free(elements, motions) for motions in (left, right))
+        return energies_between(elements, *moved) + left.T @ (self.whole.curved @ right)
 
     def forces(self, motions: np.ndarray) -> np.ndarray:
         """Forces of the stiffness on motions of the coordinates that move, (n, k), with little round-off."""
-        return self.forces_of(self._spread(motions))[: self.whole.n]
-
-    def _spread(self, motions: np.ndarray) -> np.ndarray:
-        all_motions = np.zeros((len(self.whole.elements.sizes), motions.shape[1]))
-        all_motions[self.whole.elements.free] = motions
-        return all_motions
+        elements = self.whole.elements
+        return forces_of(elements, motions_from_free(elements, motions))[: self.whole.n]
