@@ -25,11 +25,11 @@ from ..statics.solve import change_of_equations
 from ..statics.solver_choice import by_sparse, known_solver
 from ..statics.sparse import Balanced, Loaded, lacking_at, search_in_coordinates
 from .critical import begin_path, null_vectors
-from .sparse_walk import SPARSE_PATH, left_null_vector
+from .sparse_walk import InCoordinates, left_null_vector
 from .stepper import (
-    DENSE_PATH,
     SHORTER,
     Direction,
+    InFreedoms,
     Plane,
     Point,
     Predictor,
@@ -101,7 +101,7 @@ def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
         return point, tangent, scale, result
     at = search_in_coordinates(topology, parameters, factors_at(parameters, 0.0))
     point = Point(at.x, at.near, at.near, jnp.array(0.0), at.multipliers)
-    new = step_along(SPARSE_PATH, topology, parameters, *first_step(coordinate_scales(topology, parameters), point))
+    new = step_along(InCoordinates, topology, parameters, *first_step(coordinate_scales(topology, parameters), point))
     scale = scale_of(topology, parameters, new.tangent)
     # A hanging body has no stiffness without stress.
     why = jnp.where(new.failure == RESULTS.out_of_memory, new.failure, RESULTS.singular_stiffness)
@@ -113,7 +113,7 @@ def _begin(topology: Topology, parameters: Parameters, in_coordinates: bool):
 def _find_limit(
     topology: Topology, parameters: Parameters, first: Float[Array, ""], max_steps: Int[Array, ""], in_coordinates: bool
 ) -> _Limit:
-    form = SPARSE_PATH if in_coordinates else DENSE_PATH
+    form = InCoordinates if in_coordinates else InFreedoms
     point, tangent, scale, result = _begin(topology, parameters, in_coordinates)
 
     def advance(*arguments: Any):

@@ -1,7 +1,7 @@
 """Continuation for large mechanisms: steps in all coordinates and one multiplier per constraint, by sparse factors."""
 
 import functools
-from typing import Any
+from typing import Any, ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -28,7 +28,7 @@ from ..statics.newton_search import Iterate, prescribed_values
 from ..statics.sparse import TurnInCoordinates, balanced, elements_times
 from ..statics.tangent import Assembled, elastic_stress, unknowns
 from .sparse_critical import critical_values_of, shifted, value_of_determinant
-from .stepper import Direction, Move, PathForm, Plane, Point, Predictor, Scale, factors_at, step_along
+from .stepper import Direction, Move, Plane, Point, Predictor, Scale, factors_at, step_along
 from .walk import Step, begin_at, unloaded_point
 
 
@@ -38,6 +38,8 @@ class InCoordinates:
     Attributes:
         by_load: Derivative of the equations by the load factor, (n + h,).
     """
+
+    reuses: ClassVar[bool] = True
 
     def __init__(self, topology: Topology, parameters: Parameters, point: Point):
         (free, fast, constrained), x, strained = unknowns(topology), point.x, point.strained
@@ -73,9 +75,6 @@ class InCoordinates:
         host = functools.partial(on_host_thread, _move)
         z, load, failure = call_host(host, shapes, factored, self.bordering(plane), right, -distance, idle)
         return Move(self._turn.spread(z[:n]), z[n:], load, failure)
-
-
-SPARSE_PATH = PathForm(InCoordinates, reuses=True)
 
 
 def _bordered(elements: ElementMatrices, border: tuple[Any, ...]) -> Bordered:
@@ -119,7 +118,7 @@ def left_null_vector(topology: Topology, parameters: Parameters, point: Point, p
 
 @kernel
 def _step(topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor):
-    return step_along(SPARSE_PATH, topology, parameters, scale, predictor)
+    return step_along(InCoordinates, topology, parameters, scale, predictor)
 
 
 @kernel

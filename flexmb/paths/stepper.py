@@ -1,7 +1,6 @@
 """Steps along an equilibrium path: predictor along the tangent, Newton's corrector in the plane across it."""
 
-from collections.abc import Callable
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -137,12 +136,16 @@ class PathEquations(Protocol):
         e: Deformations.
         onto: Change of the coordinates that is already decided.
         following: Change of the coordinates with the load factor at constant unknowns.
+        reuses: Whether factors of the last correction may be reused.
     """
 
+    reuses: ClassVar[bool]
     last: Any
     e: Any
     onto: Any
     following: Any
+
+    def __init__(self, topology: Topology, parameters: Parameters, point: Point): ...
 
     def deformed(self, change: Float[Array, "n_x"]) -> Float[Array, "n_e"]:
         """Change of the deformations with the coordinates, to first order."""
@@ -154,13 +157,6 @@ class PathEquations(Protocol):
         ``sizes`` are those of a :class:`Scale`. ``idle``: no answer is needed.
         """
         ...
-
-
-class PathForm(NamedTuple):
-    """A form of matrices: its PathEquations, and whether factors of the last correction may be reused."""
-
-    equations: Callable[..., PathEquations]
-    reuses: bool
 
 
 def is_acceptable(converged: Any, cosine: Number) -> Any:
@@ -271,8 +267,10 @@ def scale_of(topology: Topology, parameters: Parameters, tangent: Direction) -> 
     return Scale(sizes, 1 / (sizes * motion) ** 2 / max(topology.n_x, 1))
 
 
-class _InFreedoms:
+class InFreedoms:
     """:class:`PathEquations` in the degrees of freedom."""
+
+    reuses: ClassVar[bool] = False
 
     def __init__(self, topology: Topology, parameters: Parameters, point: Point):
         factors = factors_at(parameters, point.load)
@@ -292,9 +290,6 @@ class _InFreedoms:
         return Move(factored.transfer.DFx @ dq, jnp.zeros(0), load, failure)
 
 
-DENSE_PATH = PathForm(_InFreedoms, reuses=False)
-
-
 class _Correcting(NamedTuple):
     point: Point
     before: Float[Array, ""]
@@ -309,7 +304,7 @@ class _Correcting(NamedTuple):
 
 
 def step_along(
-    form: PathForm, topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor
+    form: type[PathEquations], topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor
 ) -> Stepped:
     """One step: predictor along a direction, then Newton's method in the plane through the predicted point.
 
@@ -322,7 +317,7 @@ def step_along(
 
     def turn(c: _Correcting) -> _Correcting:
         x, _, _, load, multipliers = c.point
-        at = form.equations(topology, parameters, c.point)
+        at = form(topology, parameters, c.point)
         # The last turn computes the tangent alone.
         last = c.done | c.bad
         distance = plane.x @ (x - predicted.x + at.onto) + plane.load * (load - predicted.load)
@@ -349,7 +344,7 @@ def step_along(
         return jax.tree.map(lambda a, b: jnp.where(last, a, b), unchanged, new)
 
     no, none, infinite = jnp.array(False), jnp.zeros((), jnp.int32), jnp.array(jnp.inf)
-    nothing = jax.eval_shape(lambda point: form.equations(topology, parameters, point).last, predicted)
+    nothing = jax.eval_shape(lambda point: form(topology, parameters, point).last, predicted)
     nothing = jax.tree.map(lambda a: jnp.zeros(a.shape, a.dtype), nothing)
     start = _Correcting(predicted, infinite, infinite, none, no, no, nothing, direction, no, none)
     end = jax.lax.while_loop(lambda c: ~c.finished, turn, start)

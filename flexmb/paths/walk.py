@@ -35,9 +35,9 @@ from ..numerical_limits import (
 from ..results import RESULTS
 from .critical import CriticalPoint, begin_path, critical_values, null_vectors
 from .stepper import (
-    DENSE_PATH,
     SHORTER,
     Direction,
+    InFreedoms,
     Plane,
     Point,
     Predictor,
@@ -130,7 +130,7 @@ def _begin(topology: Topology, parameters: Parameters):
 
 @kernel
 def _advance(topology: Topology, parameters: Parameters, scale: Scale, predictor: Predictor):
-    new = step_along(DENSE_PATH, topology, parameters, scale, predictor)
+    new = step_along(InFreedoms, topology, parameters, scale, predictor)
     values = critical_values(topology, new.at, scale.sizes)
     regular = new.failure == RESULTS.successful
     none = jnp.zeros((), jnp.int32)
