@@ -237,10 +237,6 @@ class _Shifted(Constrained):
         super().__init__(assembled.at(shift), assembled.n, solver.factored(assembled.elements, mass=shift))
         self.whole, self.solver, self.shift, self.mass = assembled, solver, shift, assembled.mass
 
-    def is_definite(self) -> bool:
-        """Whether K + s M is known to be positive definite under the constraints."""
-        return self.factors.regular and self.factors.negative() == 0
-
     def once_more(self, motions: np.ndarray, inverse: np.ndarray):
         """Motions and multipliers one iteration on, by a product with less round-off than the assembled matrix."""
         load, n = self.mass @ motions / inverse, self.n
@@ -264,7 +260,7 @@ def _below_all(assembled: AssembledEquations, solver: LinearSolver) -> _Shifted:
     shift = 0.0
     for _ in range(MAX_SHIFTS if heaviest > 0 else 1):
         shifted = _Shifted(assembled, solver, shift)
-        if shifted.is_definite():
+        if shifted.factors.regular and shifted.factors.negative() == 0:
             return shifted
         shift = GROWTH * shift or FIRST_SHIFT * (ratio or 1.0)
     raise AnalysisError(RESULTS.singular_stiffness.name, RESULTS.singular_stiffness.message)
