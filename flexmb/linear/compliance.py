@@ -14,7 +14,7 @@ from ..errors import AnalysisError, warn
 from ..math.indices import put
 from ..math.linear import diagonal_of, factorise, unit_scale
 from ..math.linear_solver import LinearSolver
-from ..math.rotation import lbar, rotation_matrix
+from ..math.rotation import LBAR, lbar, rotation_matrix
 from ..model.model import Model
 from ..numerical_limits import HELD_COMPLIANCE, NEGATIVE_WORK
 from ..results import RESULTS, check, collect, or_nan
@@ -31,13 +31,10 @@ def _rates(coordinates: Float[Array, "n"]) -> Float[Array, "m n"]:
     return 2 * lbar(coordinates) if coordinates.shape[0] == ROTATION3.size else jnp.eye(coordinates.shape[0])
 
 
-_rates_of_rotation = jit(_rates)
-
-
 def rates_on_host(coordinates: np.ndarray) -> np.ndarray:
     """:func:`_rates` of a position, an angle or a rotation, on the host."""
     n = coordinates.shape[0]
-    return np.asarray(_rates_of_rotation(coordinates)) if n == ROTATION3.size else np.eye(n)
+    return 2 * LBAR @ coordinates if n == ROTATION3.size else np.eye(n)
 
 
 @unguarded
