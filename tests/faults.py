@@ -3439,8 +3439,8 @@ FAULTS = [
     ),
     Fault(
         "math/by_deformations.py",
-        "+ 1j * matrix_times(elements.lossy,",
-        "+ 2j * matrix_times(elements.lossy,",
+        "+ 1j * product(elements.lossy,",
+        "+ 2j * product(elements.lossy,",
         "math/test_by_deformations.py -k assembled",
         slow=True,
     ),

@@ -17,7 +17,7 @@ from ..errors import AnalysisError
 from ..numerical_limits import FORCE_ROUND_OFF, REFINED, UNREFINED
 from ..results import RESULTS
 from .element_matrices import ElementMatrices, matrix_times, times_transposed
-from .indices import put
+from .indices import accumulate, put
 from .linear import uneven
 
 # Most corrections of a solution by iterative refinement.
@@ -30,25 +30,43 @@ def motions_from_free(elements: ElementMatrices, moving: Any) -> Any:
     return put(zeros, elements.free, moving)
 
 
+def deformations_of_motions(elements: ElementMatrices, motions: Any) -> Any:
+    """Deformations of motions of all coordinates, (n_e, k)."""
+    return matrix_times(elements.constraints, motions, size=elements.kept.shape[0])
+
+
+def forces(elements: ElementMatrices, z: Any, transposed: bool = False, s: Any = None, values: Any = None) -> Any:
+    """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]], (r, k)."""
+    n = elements.unknowns[0]
+    return forces_of(elements, motions_from_free(elements, z[:n]), z[n:], transposed, s, values)
+
+
+def forces_of(
+    elements: ElementMatrices, v: Any, multipliers: Any, transposed: bool = False, s: Any = None, values: Any = None
+) -> Any:
+    """As :func:`forces`, for motions of all coordinates, (n_x, k), also those that do not move by themselves."""
+    n_x, product = v.shape[0], times_transposed if transposed else matrix_times
+    changed = deformations_of_motions(elements, v)
+    n_e = changed.shape[0]
+    sigma = accumulate(product(elements.elastic, changed, size=n_e), elements.held, multipliers)
+    if s is not None:
+        sigma = sigma + s * product(elements.viscous, changed, size=n_e)
+    if elements.lossy:
+        sigma = sigma + 1j * product(elements.lossy, changed, size=n_e)
+    balance = times_transposed(elements.constraints, sigma, size=n_x) + product(elements.curved, v, size=n_x)
+    if values is not None:
+        balance = balance - matrix_times(elements.mass, v, size=n_x) * values
+    if s is not None:
+        balance = balance + s**2 * product(elements.mass, v, size=n_x)
+    return library_of(balance).concatenate([balance[elements.free], changed[elements.held]])
+
+
 @jit
 def saddle_product(
     elements: ElementMatrices, z: Inexact[Array, "r k"], values: Any = None, s: Any = None
 ) -> Inexact[Array, "r k"]:
-    """Product of [[K - mu M, D^T], [D, 0]] and vectors, or of [[K + s C + s^2 M + i L, D^T], [D, 0]]."""
-    n_x, (n, _), n_e = elements.sizes.shape[0], elements.unknowns, elements.kept.shape[0]
-    v = motions_from_free(elements, z[:n])
-    changed = matrix_times(elements.constraints, v, size=n_e)
-    sigma = matrix_times(elements.elastic, changed, size=n_e) + put(jnp.zeros_like(changed), elements.held, z[n:])
-    if s is not None:
-        sigma = sigma + s * matrix_times(elements.viscous, changed, size=n_e)
-    if elements.lossy:
-        sigma = sigma + 1j * matrix_times(elements.lossy, changed, size=n_e)
-    forces = times_transposed(elements.constraints, sigma, size=n_x) + matrix_times(elements.curved, v, size=n_x)
-    if values is not None:
-        forces = forces - matrix_times(elements.mass, v, size=n_x) * values
-    if s is not None:
-        forces = forces + s**2 * matrix_times(elements.mass, v, size=n_x)
-    return jnp.concatenate([forces[elements.free], changed[elements.held]])
+    """As :func:`forces`, compiled."""
+    return forces(elements, z, False, s, values)
 
 
 def bordered_product(
@@ -59,53 +77,6 @@ def bordered_product(
     balance = saddle_product(elements, z[: n + h], values)
     balance = balance.at[:n].add(border @ z[n + h :])
     return jnp.concatenate([balance, border.T @ z[:n]])
-
-
-def deformations_of_motions(
-    elements: ElementMatrices, motions: Inexact[np.ndarray, "n_x k"]
-) -> Inexact[np.ndarray, "n_e k"]:
-    """Deformations of motions of all coordinates, by NumPy."""
-    deformations = np.zeros((len(elements.kept), motions.shape[1]), motions.dtype)
-    for rows, columns, matrices in elements.constraints:
-        deformations[rows] = matrices @ motions[columns]
-    return deformations
-
-
-def forces_of_stress(elements: ElementMatrices, sigma: Inexact[np.ndarray, "n_e k"]) -> Inexact[np.ndarray, "n_x k"]:
-    """Forces of stress resultants on all coordinates, by NumPy."""
-    return times_transposed(elements.constraints, sigma, size=len(elements.sizes))
-
-
-def forces(
-    elements: ElementMatrices, z: Inexact[np.ndarray, "r k"], transposed: bool = False, s: complex | None = None
-) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`saddle_product`, by NumPy."""
-    n = elements.unknowns[0]
-    v = np.zeros((len(elements.sizes), z.shape[1]), z.dtype)
-    v[elements.free] = z[:n]
-    return forces_of(elements, v, z[n:], transposed, s)
-
-
-def forces_of(
-    elements: ElementMatrices,
-    v: Inexact[np.ndarray, "n_x k"],
-    multipliers: Inexact[np.ndarray, "h k"] | float = 0.0,
-    transposed: bool = False,
-    s: complex | None = None,
-) -> Inexact[np.ndarray, "r k"]:
-    """As :func:`forces`, for motions of all coordinates, also those that do not move by themselves."""
-    n_x, n_e = len(elements.sizes), len(elements.kept)
-    changed, product = deformations_of_motions(elements, v), times_transposed if transposed else matrix_times
-    sigma = product(elements.elastic, changed, size=n_e)
-    sigma[elements.held] += multipliers
-    if s is not None:
-        sigma = sigma + s * product(elements.viscous, changed, size=n_e)
-    if elements.lossy:
-        sigma = sigma + 1j * product(elements.lossy, changed, size=n_e)
-    balance = forces_of_stress(elements, sigma) + product(elements.curved, v, size=n_x)
-    if s is not None:
-        balance = balance + s**2 * product(elements.mass, v, size=n_x)
-    return np.concatenate([balance[elements.free], changed[elements.held]])
 
 
 def energies_between(

@@ -65,18 +65,12 @@ class ElementMatrices(NamedTuple):
 
 def matrix_times(pieces: BlockMatrices, vectors: Any, *, size: int) -> Any:
     """Product of a matrix in pieces with ``size`` rows, and vectors as columns; by NumPy for NumPy's arrays."""
-    if not _are_known(pieces, vectors):
+    if not all(isinstance(array, np.ndarray) for array in (vectors, *(matrices for *_, matrices in pieces))):
         return _times(pieces, vectors, size=size)
     product = np.zeros((size, vectors.shape[1]), vectors.dtype)
     for rows, columns, matrices in pieces:
         np.add.at(product, rows, matrices @ vectors[columns])
     return product
-
-
-def _are_known(element_matrices: BlockMatrices, vectors: Any) -> bool:
-    return isinstance(vectors, np.ndarray) and all(
-        isinstance(matrices, np.ndarray) for *_, matrices in element_matrices
-    )
 
 
 @jit
@@ -91,13 +85,6 @@ def _times(pieces: BlockMatrices, vectors: Inexact[Array, "n k"], *, size: int) 
 
 def times_transposed(pieces: BlockMatrices, vectors: Any, *, size: int) -> Any:
     """Product of the transposed matrix and vectors; see :func:`matrix_times`."""
-    if not _are_known(pieces, vectors):
-        return _times_transposed(pieces, vectors, size=size)
-    return matrix_times(_turned(pieces), vectors, size=size)
-
-
-@jit
-def _times_transposed(pieces: BlockMatrices, vectors: Inexact[Array, "n k"], *, size: int) -> Inexact[Array, "size k"]:
     return matrix_times(_turned(pieces), vectors, size=size)
 
 
@@ -107,9 +94,8 @@ def _turned(element_matrices: BlockMatrices) -> BlockMatrices:
 
 def transposed(elements: ElementMatrices) -> ElementMatrices:
     """The same with everything but mass and constraints transposed; without a potential these are unsymmetric."""
-    matrices = elements
     names = ("structural", "curved", "damping", "loss", "elastic", "viscous", "lossy")
-    return matrices._replace(**{name: _turned(getattr(matrices, name)) for name in names})
+    return elements._replace(**{name: _turned(getattr(elements, name)) for name in names})
 
 
 def by_coordinates(constraints: BlockMatrices, pieces: BlockMatrices) -> BlockMatrices:
@@ -226,8 +212,7 @@ class AssembledEquations:
 
 
 def _groups(elements: ElementMatrices) -> list[BlockMatrices]:
-    matrices = elements
-    return [matrices.structural, matrices.curved, matrices.damping, matrices.mass, matrices.loss, matrices.constraints]
+    return [elements.structural, elements.curved, elements.damping, elements.mass, elements.loss, elements.constraints]
 
 
 _known: OrderedDict[bytes, SparsePattern] = OrderedDict()

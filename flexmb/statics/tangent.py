@@ -140,4 +140,4 @@ class Assembled:
     def forces(self, motions: np.ndarray) -> np.ndarray:
         """Forces of the stiffness on motions of the coordinates that move, (n, k), with little round-off."""
         elements = self.whole.elements
-        return forces_of(elements, motions_from_free(elements, motions))[: self.whole.n]
+        return forces_of(elements, motions_from_free(elements, motions), 0.0)[: self.whole.n]
