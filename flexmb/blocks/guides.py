@@ -169,18 +169,10 @@ def straight_line_stage(
     s = Site(b, base, stage, name, at, along, y, element, height=height)
     s.body(s.stage)
     shared: dict[str, Any] = {"length": length, "spacing": spacing, "inner": inner, "section": section}
+    shared |= {"y": y, "element": element}
     for label, side in (("1", 1.0), ("2", -1.0)):
-        double_parallel_guide(
-            b,
-            s.base,
-            s.stage,
-            name=f"{name} {label}",
-            at=s.place(side * height / 2),
-            along=side * s.axes[0],
-            y=y,
-            element=element,
-            **shared,
-        )
+        at, along = s.place(side * height / 2), side * s.axes[0]
+        double_parallel_guide(b, s.base, s.stage, name=f"{name} {label}", at=at, along=along, **shared)
     return s.stage
 
 

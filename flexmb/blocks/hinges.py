@@ -4,10 +4,10 @@ from typing import Any
 
 from ..arguments import holds, nan_if_refused
 from ..build.builder import Builder
-from ..elements import planar, spatial
+from ..elements.necks import notch_length
 from ..elements.sections import Material, Scalar, hinge_circular, notch_circular
 from ..errors import ModelError
-from .site import Site, Vector, slender
+from .site import Site, Vector
 
 
 def notch_hinge(
@@ -58,8 +58,8 @@ def notch_hinge(
         THEORY.md 13, eq. (13.7), and 2, eq. (2.60) and (2.61).
     """
     s = Site(b, base, stage, name, at, along, y, element)
-    end = _extent(height, neck, radius)
-    hinge = _hinge(element, width, height, neck, radius, material)
+    end = notch_length(height, neck, radius)
+    hinge = _hinge(s, width, height, neck, radius, material)
     s.body(s.stage, end)
     foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (end,)))
     s.beam("notch", (foot, s.base), (top, s.stage), *hinge)
@@ -111,8 +111,8 @@ def notch_four_bar(
         THEORY.md 13, eq. (13.7), (13.8).
     """
     s = Site(b, base, stage, name, at, along, y, element, length=length, spacing=spacing)
-    hinge = _hinge(element, width, height, neck, radius, material)
-    notch = _extent(height, neck, radius)
+    hinge = _hinge(s, width, height, neck, radius, material)
+    notch = notch_length(height, neck, radius)
     with nan_if_refused() as marked:
         if not holds(length > notch):
             raise ModelError(f"Argument `length` must exceed the length of a notch, {notch:g} m, but is {length:g}.")
@@ -128,20 +128,9 @@ def notch_four_bar(
     return s.stage
 
 
-def _hinge(element: Any, *sizes: Any) -> tuple[Any, Any]:
+def _hinge(s: Site, *sizes: Any) -> tuple[Any, Any]:
     """Element type of a hinge and its section; a given element has the section of plain beam theory."""
-    plain = notch_circular(*sizes)
-    if element is not None:
-        return slender, plain
-    return _sheared, hinge_circular(*sizes)
-
-
-def _sheared(b: Builder, section: Any) -> tuple[Any, Any]:
-    """Spectral beam with shear. Order 3 suffices at any stroke, since resultants along a hinge are smooth."""
-    return (planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam)(order=3, shear=True), section
-
-
-def _extent(height: Scalar, neck: Scalar, radius: Scalar) -> Scalar:
-    """Length of a circular notch from rim to rim."""
-    depth = (height - neck) / 2
-    return 2 * (depth * (2 * radius - depth)) ** 0.5
+    if s.element is not None:
+        return s.element, notch_circular(*sizes)
+    # Order 3 suffices at any stroke, since resultants along a hinge are smooth.
+    return s.spectral_beam(order=3, shear=True), hinge_circular(*sizes)

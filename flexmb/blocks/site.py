@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import jax.numpy as jnp
@@ -131,38 +131,35 @@ class Site:
     def leaf(self, label: str, first: End, last: End, section: Section) -> None:
         """A leaf spring between points of two bodies, clamped to both."""
         p, q = (self.clamp(f"{end} {label}", at) for end, at in (("foot", first), ("top", last)))
-        self.beam(f"leaf {label}", (p, first[0]), (q, last[0]), leaf_spring, section)
+        self.beam(f"leaf {label}", (p, first[0]), (q, last[0]), *self.leaf_spring(section))
 
-    def beam(
-        self,
-        label: str,
-        first: tuple[str, str],
-        last: tuple[str, str],
-        usual: Callable[[Builder, Section], tuple[Any, Section]],
-        section: Section,
-    ) -> None:
+    def beam(self, label: str, first: tuple[str, str], last: tuple[str, str], element: Any, section: Section) -> None:
         """A flexible beam between two nodes, each with the node of its rotation."""
-        element, section = usual(self.b, section) if self.element is None else (self.element, section)
         across = {} if self.y is None else {"y": self.y}
         nodes = [part for node, body in (first, last) for part in (node, f"{body}.rotation")]
         self.b.add(element, *nodes, name=f"{self.name} {label}", section=section, **across)
 
-
-def leaf_spring(b: Builder, section: Section) -> tuple[Any, Section]:
-    """Element type and section of a leaf spring; a beam for sections that jump or have no width."""
-    if isinstance(section, Rectangle) or (isinstance(section, Profile) and not section.breaks):
-        if b.dimension == 3:
+    def leaf_spring(self, section: Section) -> tuple[Any, Section]:
+        """Element type and section of a leaf spring; a beam for sections that jump or have no width."""
+        smooth = isinstance(section, Rectangle) or (isinstance(section, Profile) and not section.breaks)
+        if self.element is not None or not smooth:
+            return self.slender(section)
+        if self.b.dimension == 3:
             return spatial.leaf_spring, section
         return planar.leaf_spring(shear=isinstance(section, Rectangle) and section.shear), section
-    return slender(b, section)
 
+    def slender(self, section: Section) -> tuple[Any, Section]:
+        """Element type and section of a wire or a notch hinge, with shear if possible."""
+        if self.element is not None:
+            return self.element, section
+        if isinstance(section, Profile):
+            # Stress resultants along a hinge are smooth although the section is not; order 3 suffices at any stroke.
+            return self.spectral_beam(order=3), section
+        if isinstance(section, Rectangle | Circle):
+            return self.spectral_beam(shear=True), dataclasses.replace(section, shear=True)
+        return self.spectral_beam, section
 
-def slender(b: Builder, section: Section) -> tuple[Any, Section]:
-    """Element type and section of a wire or a notch hinge, with shear if possible."""
-    element = planar.spectral_beam if b.dimension == 2 else spatial.spectral_beam
-    if isinstance(section, Profile):
-        # Stress resultants along a hinge are smooth although the section is not; order 3 suffices at any stroke.
-        return element(order=3), section
-    if isinstance(section, Rectangle | Circle):
-        return element(shear=True), dataclasses.replace(section, shear=True)
-    return element, section
+    @property
+    def spectral_beam(self) -> Any:
+        """Element type of a spectral beam."""
+        return planar.spectral_beam if self.b.dimension == 2 else spatial.spectral_beam

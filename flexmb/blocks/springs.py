@@ -9,7 +9,7 @@ from ..arguments import check_number, is_concrete
 from ..build.builder import Builder
 from ..elements.sections import Scalar, Section
 from ..errors import ModelError
-from .site import Site, Vector, leaf_spring, slender
+from .site import Site, Vector
 
 
 def folded_leaf_spring(
@@ -64,7 +64,7 @@ def folded_leaf_spring(
     end = length + second * xp.cos(fold), second * xp.sin(fold)
     s.body(s.stage, *end)
     foot, middle, top = s.clamp("foot", (s.base, ())), s.inner("fold", length), s.clamp("top", (s.stage, end))
-    leaf = leaf_spring, section
+    leaf = s.leaf_spring(section)
     s.beam("leaf 1", (foot, s.base), (middle, middle), *leaf)
     s.beam("leaf 2", (middle, middle), (top, s.stage), *leaf)
     return s.stage
@@ -109,5 +109,5 @@ def wire_flexure(
     s = Site(b, base, stage, name, at, along, y, element, length=length)
     s.body(s.stage, length)
     foot, top = s.clamp("foot", (s.base, ())), s.clamp("top", (s.stage, (length,)))
-    s.beam("wire", (foot, s.base), (top, s.stage), slender, section)
+    s.beam("wire", (foot, s.base), (top, s.stage), *s.slender(section))
     return s.stage

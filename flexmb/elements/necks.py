@@ -83,6 +83,12 @@ class Neck(Section):
         )
 
 
+def notch_length(height: Scalar, neck: Scalar, radius: Scalar) -> Scalar:
+    """Return the length of a circular notch from rim to rim."""
+    depth = (height - neck) / 2
+    return 2 * (depth * (2 * radius - depth)) ** 0.5
+
+
 def neck(plain: Profile, width: Scalar, thin: Scalar, radius: Scalar, extent: Scalar, material: Material) -> Profile:
     """Return the section of a circular notch hinge from rim to rim.
 

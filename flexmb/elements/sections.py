@@ -1,13 +1,13 @@
 """Cross-sections: rigidities, mass and stress from dimensions; axes as in :mod:`.section`."""
 
 import dataclasses
-from typing import Any, Literal
+from typing import Literal
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_known, check_number, holds, is_concrete, nan_if_refused, short_repr
+from ..arguments import as_known, check_number, holds, is_concrete, library_of, nan_if_refused, short_repr
 from ..compilation.record import static
 from ..errors import ModelError
 from ..lazy import only
@@ -72,7 +72,7 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
     if frequency is not None:
         return MaterialDamping(ratio / (np.pi * frequency)).rigidities(section)
     mass = s.mass * length
-    xp = _library(s.EA, s.EIy, s.EIz, s.GIt, mass, ratio)
+    xp = library_of((s.EA, s.EIy, s.EIz, s.GIt, mass, ratio))
 
     def equivalent(rigidity: Scalar, power: int):
         stiffness = rigidity / length**power
@@ -81,16 +81,9 @@ def damping_from_ratio(section: Section, length: Scalar, ratio: Scalar, *, frequ
         product = xp.where(positive, stiffness * mass, 1.0)
         return xp.where(positive, 2 * ratio * xp.sqrt(product), 0.0) * length**power
 
-    bending, shears = (
-        (equivalent(s.EIy, 3), equivalent(s.EIz, 3)),
-        (equivalent(shear, 1) for shear in s.shear_rigidities()),
-    )
-    return Damping(equivalent(s.EA, 1), *bending, equivalent(s.GIt, 3), *shears)
-
-
-def _library(*sizes: Scalar) -> Any:
-    """NumPy for known numbers: JAX would compile a program for each operation on them."""
-    return np if is_concrete(sizes) else jnp
+    powers = {"EA": 1, "EIy": 3, "EIz": 3, "GIt": 3}
+    shears = (equivalent(shear, 1) for shear in s.shear_rigidities())
+    return Damping(*(equivalent(getattr(s, name), power) for name, power in powers.items()), *shears)
 
 
 def torsion_series(width: Scalar, thickness: Scalar) -> Scalar:
@@ -124,7 +117,7 @@ def _sides(width: Scalar, thickness: Scalar) -> tuple[Scalar, Scalar]:
 
 def _by_series(width: float | Float[Array, "*n"], thickness: float | Float[Array, "*n"]) -> float | Float[Array, "*n"]:
     """Torsion constant of positive sides, for one section or many sections."""
-    xp = _library(width, thickness)
+    xp = library_of((width, thickness))
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     # From n = 5 on, tanh(n pi w/2t) is 1 to 3e-7 for w >= t, so the tail follows from the zeta function:
     # sum over odd n of 1/n^5 = (31/32) zeta(5).
@@ -154,7 +147,7 @@ def torsion_approximate(width: Scalar, thickness: Scalar) -> Scalar:
 
 def _by_formula(width: Scalar, thickness: Scalar) -> Scalar:
     """Result of :func:`torsion_approximate` for positive sides, of one section or many sections."""
-    xp = _library(width, thickness)
+    xp = library_of((width, thickness))
     w, t = xp.maximum(width, thickness), xp.minimum(width, thickness)
     return w * t**3 * (1 / 3 - 0.21 * (t / w) * (1 - (t / w) ** 4 / 12))
 
@@ -468,8 +461,7 @@ def hinge_circular(width: Scalar, height: Scalar, neck: Scalar, radius: Scalar, 
         THEORY.md 2, eq. (2.60) and (2.61).
     """
     plain = notch_circular(width, height, neck, radius, material, shear=True)
-    depth = (height - neck) / 2
-    return necks.neck(plain, width, neck, radius, 2 * (depth * (2 * radius - depth)) ** 0.5, material)
+    return necks.neck(plain, width, neck, radius, necks.notch_length(height, neck, radius), material)
 
 
 def notch_elliptic(
@@ -515,13 +507,7 @@ def notch_elliptic(
 
 
 def notch_filleted(
-    width: Scalar,
-    height: Scalar,
-    neck: Scalar,
-    flat: Scalar,
-    radius: Scalar,
-    material: Material,
-    shear: bool = False,
+    width: Scalar, height: Scalar, neck: Scalar, flat: Scalar, radius: Scalar, material: Material, shear: bool = False
 ) -> Profile:
     """Return the section of a bar with a long notch on both sides in its middle and rounded corners.
 
