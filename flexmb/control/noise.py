@@ -18,7 +18,7 @@ from ..linear.linearize import Linearization, ManyStates
 from ..linear.loose import refuse_without_anything
 from ..math.derivative import root_or_zero
 from ..math.linear import general_eigen
-from ..math.lyapunov import lyapunov
+from ..math.matrix_functions import lyapunov
 from ..model.model import Model
 from ..numerical_limits import DECAYING_POLE, DRIFTING_NOISE, GROWING_NOISE, UNRESOLVED_SHARE
 from ..statics.equilibrium import Equilibrium

@@ -1,8 +1,9 @@
-"""Functions that planar and spatial beams share: length, bending stiffness, mass of the cubic interpolation."""
+"""Functions that planar and spatial elements share: length, bending stiffness, cubic mass, uncoupled springs, laws."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -11,7 +12,7 @@ from numpy.polynomial import polynomial
 from ..arguments import as_floats, holds, library_of
 from ..math.derivative import root_or_zero
 from ..numerical_limits import PARALLEL, SHORTEST_ELEMENT
-from .nodes import Reference, length
+from .nodes import Reference, Static, length
 from .sections import Damping, Scalar, Section
 
 # Mass of cubics in the end positions and end slopes times length, over m l / 420 (REFERENCES.md T4: axially too).
@@ -45,9 +46,7 @@ def combine(coefficients: Sequence[Scalar], matrices: np.ndarray) -> Float[Array
 
 
 # Coefficients of (1 - tanh(u)/u)/u^2 in powers of u^2.
-_TANH = np.array(
-    [1 / 3, -2 / 15, 17 / 315, -62 / 2835, 1382 / 155925, -21844 / 6081075, 929569 / 638512875],
-)
+_TANH = np.array([1 / 3, -2 / 15, 17 / 315, -62 / 2835, 1382 / 155925, -21844 / 6081075, 929569 / 638512875])
 # Up to this u^2 the series is exact to round-off and loses fewer digits than the quotient.
 _SMALL = 0.03
 
@@ -136,11 +135,6 @@ def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, 
     return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
 
 
-def point_displacement(p: Array, *, ref: Reference) -> Array:
-    """Displacement of a point."""
-    return p - ref.p
-
-
 def point_drag(*, ref: Reference, damping: float) -> Array:
     """Drag of a point: one coefficient for all axes of space."""
     return jnp.diag(jnp.broadcast_to(damping, ref.p.shape))
@@ -224,6 +218,15 @@ def distributed(
     return -inside(once) @ fall, inside(twice) @ fall
 
 
+def nodal_forces(deformation: Any, inertia: Any, nodes: Sequence[Array], sigma: Array, fall: Array | None) -> Any:
+    """Nodal forces of the stress resultants less the nodal forces of distributed loads, by node."""
+    pulls = jax.vjp(deformation, *nodes)[1](sigma)
+    if fall is None:
+        return pulls
+    _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
+    return jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
+
+
 def resultants_between_ends(ends: Float[Array | np.ndarray, "2 ..."], place: Float[Array, ""]) -> Float[Array, "..."]:
     """Section resultants between the two ends of a beam that carries no load in between.
 
@@ -267,7 +270,7 @@ def check_body_mass(mass: float) -> list[str]:
     return [] if holds(as_floats(mass) > 0) else [f"has a mass of {mass}, but it must be positive"]
 
 
-def check_across(ref: Reference, y: Float[Array, "*n 3"] | None) -> list[str]:
+def check_across(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
     """Faults of the vector that fixes the local y axis of an element with end positions ``ref.p`` and ``ref.q``."""
     if y is None:
         return []
@@ -277,3 +280,49 @@ def check_across(ref: Reference, y: Float[Array, "*n 3"] | None) -> list[str]:
     if holds(xp.linalg.norm(xp.cross(axis, across), axis=-1) > PARALLEL * size):
         return []
     return ["has a local y vector that is zero or parallel to its axis: give one across it"]
+
+
+def uncoupled(n: int) -> dict[str, Any]:
+    """Companions ``stiffness`` and ``damping`` of n uncoupled deformations.
+
+    Returns:
+        ``f(*, ref, stiffness) -> (n, n)`` and ``f(*, ref, damping) -> (n, n)``, by name. The property is one number for
+        all deformations or one number each.
+    """
+
+    def stiff(*, ref: Reference, stiffness: float) -> Float[Array, "n n"]:
+        return jnp.diag(jnp.broadcast_to(stiffness, (n,)))
+
+    def damped(*, ref: Reference, damping: float) -> Float[Array, "n n"]:
+        return stiff(ref=ref, stiffness=damping)
+
+    return {"stiffness": stiff, "damping": damped}
+
+
+def mesh_stiffness(*, ref: Reference, stiffness: float) -> Float[Array, "2 2"]:
+    """Companion ``stiffness`` of a gear, for its first deformation; the second is measured."""
+    return jnp.diag(jnp.stack([jnp.asarray(stiffness, float), jnp.zeros(())]))
+
+
+def mesh_damping(*, ref: Reference, damping: float) -> Float[Array, "2 2"]:
+    """Companion ``damping`` of a gear, for its first deformation."""
+    return mesh_stiffness(ref=ref, stiffness=damping)
+
+
+def characteristic(
+    e: Float[Array, "1"],
+    ed: Float[Array, "1"],
+    *,
+    ref: Reference,
+    law: Static[Callable[[Any, Any], Any]],
+    **properties: Any,
+) -> Float[Array, "1"]:
+    """Companion ``law`` of an element with one deformation and a stress function of the user.
+
+    Returns (1,) [N, N m].
+
+    Args:
+        law: ``f(e, ed, **properties) -> ()``, force [N] or moment [N m]. Its keyword-only parameters are properties of
+            the element. Define it once: each function makes an element type of its own.
+    """
+    return jnp.reshape(law(e[0], ed[0], **properties), (1,))

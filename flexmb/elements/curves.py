@@ -8,18 +8,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_reals, check_numbers, holds, is_concrete, short_repr
+from ..arguments import as_reals, check_numbers, holds, is_concrete, numbers, short_repr
 from ..compilation.record import Record
 from ..errors import ModelError
-from ..math.quadrature import (
-    gauss,
-    legendre_coefficients,
-    legendre_integrals,
-    legendre_integrals_at,
-    legendre_values,
-    legendre_values_at,
-    lobatto,
-)
+from ..math.quadrature import gauss, legendre_coefficients, legendre_integrals, legendre_values, lobatto
 from ..math.rigid import chain, compose_turns, screws
 from ..math.rotation import CONJUGATE, initial_frame, rotation_matrix, rotation_plane
 from ..numerical_limits import PARALLEL, SAME_END, SAME_LINE, SMOOTH_CURVE
@@ -53,8 +45,7 @@ class CurvedLine(Record):
 
     def at(self, places: Any) -> Float[Array, "n *k"]:
         """Return the curvature at places, (n,), in space twist and curvatures, (n, 3) [1/m]."""
-        traced = isinstance(places, jax.Array)
-        return (legendre_values_at if traced else legendre_values)(COUNT, places) @ self.coefficients
+        return legendre_values(COUNT, places) @ self.coefficients
 
 
 def curvature_along(function: Callable[[float], Any]) -> CurvedLine:
@@ -119,12 +110,14 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
-    knots: Any = np.zeros(0)
-    try:
-        knots = np.asarray(points, float)
-    except (TypeError, ValueError):
-        pass
-    if knots.ndim != 2 or len(knots) < 3 or knots.shape[1] not in (2, 3) or not np.all(np.isfinite(knots)):
+    knots = numbers(points)
+    if (
+        knots is None
+        or knots.ndim != 2
+        or len(knots) < 3
+        or knots.shape[1] not in (2, 3)
+        or not np.all(np.isfinite(knots))
+    ):
         raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {short_repr(points)}.")
     across = None
     if y is not None:
@@ -200,8 +193,7 @@ def turned_to(curvature: Any, length: Any, places: Any) -> Any:
     """Return the angle in the plane from the first end to places, (n,) [rad]."""
     if not isinstance(curvature, CurvedLine):
         return curvature * length * places
-    traced = isinstance(places, jax.Array)
-    return length * ((legendre_integrals_at if traced else legendre_integrals)(COUNT, places) @ curvature.coefficients)
+    return length * (legendre_integrals(COUNT, places) @ curvature.coefficients)
 
 
 def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
@@ -215,7 +207,9 @@ def curve_length(chord: Any, curvature: Any, steps: int = 8) -> Any:
     if curvature is None:
         return chord
     if not isinstance(curvature, CurvedLine):
-        return arc_length(chord, _size(curvature) * chord / 2)
+        # In the plane with its sign, so that it is differentiable everywhere.
+        size = curvature if jnp.ndim(curvature) == 0 else jnp.sqrt(curvature @ curvature)
+        return arc_length(chord, size * chord / 2)
 
     def newton(length: Float[Array, ""], coefficients: Any, chord: Any) -> Float[Array, ""]:
         def gap(length: Float[Array, ""]):
@@ -293,11 +287,6 @@ def to_middle(curve: CurvedLine, chord: Any, length: Any, y: Any) -> Any:
     first, _ = turns_of_ends(curve, length)
     frame = initial_frame(jnp.zeros(3), jnp.asarray(chord, float), y)
     return frame @ rotation_matrix(first).T @ chain(_motions(curve.coefficients, length, end=0.5)).places[-1]
-
-
-def _size(curvature: Any) -> Any:
-    """Size of a constant curvature; in the plane with its sign, so that it is differentiable everywhere."""
-    return curvature if jnp.ndim(curvature) == 0 else jnp.sqrt(curvature @ curvature)
 
 
 def _end(coefficients: Any, length: Any, steps: int = 8) -> Float[Array, "d"]:

@@ -11,9 +11,9 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds
 from ..math.rotation import initial_frame, nearest_turn, polar_angle, relative_turn, turned
 from . import beams
+from .beams import mesh_damping, mesh_stiffness, uncoupled
 from .element import Element
 from .nodes import Point3, Reference, Rotation3
-from .shared_laws import mesh_damping, mesh_stiffness, uncoupled
 
 
 def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:
@@ -25,12 +25,7 @@ TURNED_TWICE = 2.0 * np.array([[1.0, 0], [0, 1], [0, 1], [-1, 0]])
 
 
 def turn_and_tilt(
-    rot_p: Rotation3,
-    rot_q: Rotation3,
-    ref_p: Rotation3,
-    ref_q: Rotation3,
-    near: Float[Array, ""],
-    axis: Float[Array, "3"],
+    rot_p: Rotation3, rot_q: Rotation3, ref_p: Rotation3, ref_q: Rotation3, near: Array, axis: Float[Array, "3"]
 ) -> Float[Array, "3"]:
     """Rotation of body q about an axis of body p, counted past full turns, and the two tilts of the axis.
 
@@ -168,12 +163,7 @@ def _check_gear(*, ref, axis_p, axis_q, ratio) -> list[str]:
 
 
 gear = Element(
-    _gear,
-    stiffness=mesh_stiffness,
-    damping=mesh_damping,
-    check=_check_gear,
-    measured=(2,),
-    names=("mismatch", "turn"),
+    _gear, stiffness=mesh_stiffness, damping=mesh_damping, check=_check_gear, measured=(2,), names=("mismatch", "turn")
 )
 """Two gears with hinges on one carrier, also bevel gears: e1 mismatch of rotation at gear p [rad], FIXED unless the
 mesh has a stiffness; e2 turn of gear p relative to the carrier [rad], measured.

@@ -21,14 +21,14 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..errors import ModelError
-from ..math.quadrature import gauss, legendre_slopes, legendre_values, legendre_values_at, lobatto
+from ..math.quadrature import gauss, legendre_slopes, legendre_values, lobatto
 from .bent_strip import curving, relaxing_and_distorting
 from .curves import curvature_at
-from .leaf_ends import Ends, ends_of
+from .leaf_ends import ENDS, Ends, ends_matrix, ends_of, free_of_jumps
 from .profile import NODES, Profile
 from .section import Rigidity, Scalar, Section
 from .sections import Rectangle
-from .spectral import check_section, pieces_of, relative, rigidities, rigidity_of, series_matrix, strains
+from .spectral import check_section, constant_rigidities, pieces_of, relative, rigidities, series_matrix, strains
 
 # Distances from a clamp, over the width, within which a leaf spring stretches, bends about its soft axis and bends
 # sideways as a plate, and shears without warping. THICKER: additions to these distances, over the thickness.
@@ -41,7 +41,6 @@ BREAKS = 3
 OF_THICK = 12.0
 # Steps along a leaf spring for integrals of its twist, and least number of Gauss nodes in each step.
 STEPS, DENSE = 8, 8
-ENDS = np.array([0.0, 1.0])
 # Input of users: whether the first end and the last are clamped. A model stores 1 for a clamped end and 0 for another
 # end, (2,). If a clamp acts through leaf springs in line, its end has 1 too, and a second row has the distances from
 # both ends to their clamps, (2, 2) [m]. If a leaf spring of another size follows in line, two more rows have the widths
@@ -215,7 +214,7 @@ class Leaf(Sheared):
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
     ) -> Float[Array, "c"]:
-        """Return the coefficients of the thermal strains of a free leaf spring, field by field.
+        """Return the coefficients of the thermal strains of a free leaf spring, field by field. Its ends add no motion.
 
         Thermal strain and curvature are 1 + nu times as large where clamps keep the section flat. Returns (fields
         order,) [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and (2.33).
@@ -240,7 +239,10 @@ class Leaf(Sheared):
         weighted = (weights[:, None] * stiff)[:, :, None] * shapes
         matrix = jnp.einsum("nfj,nfk->fjk", weighted, shapes)
         right = jnp.einsum("nfj,nf->fj", weighted, jnp.stack(free_strains, axis=1))
-        return jnp.linalg.solve(matrix, right[:, :, None]).ravel()
+        coefficients = jnp.linalg.solve(matrix, right[:, :, None]).ravel()
+        if self.ends is None:
+            return coefficients
+        return free_of_jumps(self, order, length, names, coefficients, self.matrix(None, order, length, names))
 
     def near(self, order: int, starts: Any, ends: Any, length: Any, names: Sequence[str], count: int):
         """Return the quadrature over the flat lengths within each step, and the strains without clamps there.
@@ -252,15 +254,12 @@ class Leaf(Sheared):
         kept_names = [name for name in KEPT if name in names]
         reaches, less = (values[np.array([KEPT.index(name) for name in kept_names])] for values in self.kept(length))
         nodes, weights = gauss(count)
-        first = jnp.stack(
-            [jnp.broadcast_to(starts, (len(kept_names), len(starts))), jnp.clip(1 - reaches[:, 1:], starts, ends)], 1
-        )
-        last = jnp.stack(
-            [jnp.clip(reaches[:, :1], starts, ends), jnp.broadcast_to(ends, (len(kept_names), len(starts)))], 1
-        )
+        of_all, to_all = (jnp.broadcast_to(places, (len(kept_names), len(starts))) for places in (starts, ends))
+        first = jnp.stack([of_all, jnp.clip(1 - reaches[:, 1:], starts, ends)], 1)
+        last = jnp.stack([jnp.clip(reaches[:, :1], starts, ends), to_all], 1)
         sizes = last - first
         places = first[..., None] + sizes[..., None] * nodes
-        shapes = legendre_values_at(order, places)
+        shapes = legendre_values(order, places)
         if self.section.varies:
             at = relative(self.plain(), places.reshape(-1), length, names)
             at = jnp.stack([at[:, names.index(name)].reshape(places.shape)[i] for i, name in enumerate(kept_names)])
@@ -314,7 +313,7 @@ class Leaf(Sheared):
         within, shares, shapes, less = self.near(order, starts, ends, length, names, count)
         shares = shares * less[:, :, None, None]
         sizes = jnp.where(jnp.asarray(steps) > 0, steps, 1.0)[:, None]
-        tested = legendre_values_at(3, (within - starts[:, None]) / sizes) * (shares / sizes)[..., None]
+        tested = legendre_values(3, (within - starts[:, None]) / sizes) * (shares / sizes)[..., None]
         cut = jnp.einsum("gj,feskj,fesko->fsgo", back, tested, shapes)
         placed = [names.index(name) for name in KEPT if name in names]
         plain = np.ones(fields) * (np.arange(fields) != turned)
@@ -329,11 +328,10 @@ class Leaf(Sheared):
     def matrix(self, of: Any, order: int, length: Any, names: Sequence[str]) -> Array:
         """Return the stiffness or damping matrix between all coefficients, in space also the warping of both ends.
 
-        Returns (fields order, fields order), in space (fields order + 2, fields order + 2) [N/m, N, N m]. Source:
-        THEORY.md 2, eq. (2.22) and (2.24).
+        The stiffness includes the compliances of the ends. Returns (fields order, fields order), in space (fields order
+        + 2, fields order + 2) [N/m, N, N m]. Source: THEORY.md 2, eq. (2.22) and (2.24).
         """
         fields, elastic = len(names), of is None
-        damping: Any = of
         if elastic:
             of = self._strips(length)
         matrix = series_matrix(of, self.plain(), order, length, 0, names).reshape(fields, order, fields, order)
@@ -350,32 +348,38 @@ class Leaf(Sheared):
             stiff = rigidities(of, places.reshape(-1), length, kept_names).reshape(*places.shape, len(kept_names))
             stiff = jnp.stack([stiff[i, ..., i] for i in range(len(kept_names))])
         else:
-            constant = of.rigidity() if isinstance(of, Section) else of
-            stiff = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in kept_names])[
-                :, None, None, None
-            ]
+            stiff = constant_rigidities(of, kept_names)[:, None, None, None]
         cut = jnp.einsum("fesk,fesko,feskp->fop", shares * stiff, shapes, shapes) / length
         matrix = matrix - jnp.einsum("hop,hf,hg->fogp", cut, placed, placed)
         if elastic and self.section.varies and "EIz" in names:
             matrix = matrix + self._slanting(order, length, names)
-        if "GIt" not in names:
-            return matrix.reshape(fields * order, fields * order) + self._curved(elastic, order, length, names)
-        turned = np.eye(fields)[names.index("GIt")]
-        matrix = matrix * (1 - turned[:, None, None, None] * turned[:, None])
+        if "GIt" in names:
+            turned = np.eye(fields)[names.index("GIt")]
+            matrix = matrix * (1 - turned[:, None, None, None] * turned[:, None])
+            spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
+            spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
+            torsional = spread.T @ self._torsional(of, order, length, steps) @ spread
+            matrix = jnp.pad(matrix.reshape(fields * order, fields * order), (0, 2)) + torsional
+        else:
+            matrix = matrix.reshape(fields * order, fields * order)
+        if not elastic:
+            return matrix
+        if self.initial is not None:
+            matrix = matrix + self._curved(order, length, names)
+        return matrix if self.ends is None else matrix + ends_matrix(self, order, length, names)
+
+    def _torsional(self, of: Any, order: int, length: Any, steps: np.ndarray) -> Float[Array, "c c"]:
+        """Stiffness or damping matrix between the coefficients of twist and the warping of both ends."""
         nodes, weights = gauss(DENSE)
-        places = (starts[:, None] + steps[:, None] * nodes).ravel()
+        places = ((np.cumsum(steps) - steps)[:, None] + steps[:, None] * nodes).ravel()
         weights = (steps[:, None] * weights).ravel()
         twist, slopes = self.twist(order, places, length), self.twist_slopes(order, places, length)
-        if elastic:
+        if isinstance(of, Section):
             torsion, warping = rigidities(of, jnp.asarray(places), length, ("GIt", "EIw")).T
         else:
-            torsion, warping = jnp.asarray(damping.GIt, float), 0.0
+            torsion, warping = jnp.asarray(of.GIt, float), 0.0
         torsional = jnp.einsum("n,na,nb->ab", weights * torsion, twist, twist) / length
-        torsional = torsional + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
-        spread = np.concatenate([np.kron(turned, np.eye(order)), np.zeros((2, fields * order))])
-        spread = np.concatenate([spread, np.eye(order + 2)[:, order:]], axis=1)
-        matrix = jnp.pad(matrix.reshape(fields * order, fields * order), (0, 2)) + spread.T @ torsional @ spread
-        return matrix + self._curved(elastic, order, length, names)
+        return torsional + jnp.einsum("n,na,nb->ab", weights * warping, slopes, slopes) / length**3
 
     def _slanting(self, order: int, length: Any, names: Sequence[str]) -> Float[Array, "f o f o"]:
         """Matrix between bending sideways and shear where the width varies. Source: THEORY.md 2, eq. (2.46)."""
@@ -390,10 +394,8 @@ class Leaf(Sheared):
             "jk,f,g->gkfj", coupling, bending, shearing
         )
 
-    def _curved(self, elastic: bool, order: int, length: Any, names: Sequence[str]) -> Any:
+    def _curved(self, order: int, length: Any, names: Sequence[str]) -> Any:
         """Matrix that initial curvature and twist add to the elastic matrix. Source: THEORY.md 2, eq. (2.44)."""
-        if self.initial is None or not elastic:
-            return 0.0
         places, weights, free = self._parts(length)
         stretch, bent, sideways, rate = self._large(order, places, length, names)
         wide, thick, nu, stiff, bending = self._numbers(places, length)

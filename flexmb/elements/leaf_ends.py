@@ -15,7 +15,7 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_floats, holds
 from ..compilation.record import Record
-from ..math.quadrature import gauss, legendre_values, legendre_values_at
+from ..math.quadrature import gauss, legendre_values
 from .roots import STRETCHED, bent_spread, spreading_length
 from .sections import Rectangle
 from .spectral import relative, rigidities
@@ -24,6 +24,8 @@ from .spectral import relative, rigidities
 FIELDS = ("EA", "GAy", "GAz", "GIt", "EIy", "EIz")
 # Signs of resultants and motions after half a turn about z.
 TURNED = np.array([-1.0, -1.0, 1.0, -1.0, -1.0, 1.0])
+# Signs of a compliance at the first end and at the last.
+SIGNS = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
 # Motions in the plane by the six motions: along, to the left, and minus the rotation about the section's y axis.
 IN_PLANE = np.array([[1.0, 0, 0, 0, 0, 0], [0, 0, 1, 0, 0, 0], [0, 0, 0, 0, -1, 0]])
 # Places of both ends.
@@ -193,9 +195,8 @@ def root_compliance(stiffness: Any) -> Float[Array, "6 6"]:
 
 def cuts(leaf: Any, length: Any) -> Any:
     """Return the compliances of the skew cuts of both ends of a leaf spring, in axes of the end sections, (2, 6, 6)."""
-    turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
     return jax.vmap(lambda place, sign, angle: sign * skew_compliance(angle, leaf.rectangle(place, length)))(
-        ENDS, turned, leaf.ends.skew
+        ENDS, SIGNS, leaf.ends.skew
     )
 
 
@@ -208,9 +209,8 @@ def compliances(leaf: Any, length: Any) -> list[tuple[float, Float[Array, "2 6 6
     """
     clamp, beside, parts = leaf.ends.clamp, leaf.ends.beside, []
     if beside is not None:
-        turned = np.stack([np.ones((6, 6)), np.outer(TURNED, TURNED)])
         steps = jax.vmap(lambda place, sizes: step_compliance(sizes[0], sizes[1], leaf.rectangle(place, length)))
-        parts.append((1.0, turned * steps(ENDS, beside.T)))
+        parts.append((1.0, SIGNS * steps(ENDS, beside.T)))
     if clamp is not None:
         roots = [jnp.zeros((6, 6)) if root is None else root_compliance(root) for root in clamp]
         parts.append((AT_ROOT, jnp.stack(roots)))
@@ -241,7 +241,7 @@ def _torque(layer: Any, order: int, places: Any) -> Float[Array, "n order"]:
     for k in range(2, order):
         # Second derivatives by the place, which goes from 0 to 1.
         twice[: k - 1, k] = 4 * np.polynomial.legendre.legder(np.eye(k + 1)[k], 2)
-    return legendre_values_at(order, places) @ (np.eye(order) - layer**2 * twice)
+    return legendre_values(order, places) @ (np.eye(order) - layer**2 * twice)
 
 
 def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], share: float) -> Float[Array, "2 6 c"]:
@@ -264,7 +264,7 @@ def end_resultants(leaf: Any, order: int, length: Any, names: Sequence[str], sha
 
     def at_end(place: Any, turned: Any, alternating: Any, layer: Any):
         zone = share * jnp.minimum(ZONE * leaf.rectangle(place, length).width, HALF * length)
-        shapes = legendre_values_at(order, zone / length * nodes) * alternating
+        shapes = legendre_values(order, zone / length * nodes) * alternating
         mean, first = tests @ shapes
         placed = {name: stiff[name] * spots[i] for i, name in enumerate(names)}
         rows = {name: placed[name] * mean if name in names else none for name in FIELDS}
@@ -351,7 +351,7 @@ def _weights(near: Any, far: Any, mean: Any, turned: Any) -> Float[Array, "s 3"]
     inside = 0.5 + turned * ((x * reach - near[:, None]) / whole - 0.5)
     share = 12 * x * (1 - x) ** 2 / reach * weights * sizes[:, None] / whole
     back = legendre_values(3, nodes) * (2.0 * np.arange(3) + 1)
-    return jnp.einsum("gk,snk,sn->sg", back, legendre_values_at(3, inside.reshape(-1)).reshape(*inside.shape, 3), share)
+    return jnp.einsum("gk,snk,sn->sg", back(3, inside.reshape(-1)).reshape(*inside.shape, 3), share)
 
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:

@@ -11,14 +11,14 @@ from . import beams, spectral_planar
 from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
-from .leaf_ends import PlanarRoots, ends_matrix, faults_of_ends, free_of_jumps
+from .leaf_ends import PlanarRoots, faults_of_ends
 from .leaf_stress import leaf_stress
 from .nodes import Angle, Point2, Reference, Series2, Static
 from .profile import Profile
 from .section import Damping
 from .sections import Rectangle
-from .spectral import check_curvature, check_shear, fields_after, section_rigidities
-from .spectral_planar import CLOSURE, ELONGATION, FIELDS, SHEAR, _length, gauss_nodes
+from .spectral import check_curvature, check_shear, section_rigidities
+from .spectral_planar import CLOSURE, ELONGATION, SHEAR, _length, _names, gauss_nodes
 
 
 def _of_beam(section: Any, clamped: Any, order: int, shear: bool, curvature: Any, clamp: Any) -> dict[str, Any]:
@@ -47,20 +47,8 @@ def _leaf_spring(
     return spectral_planar._spectral_beam(p, rot_p, q, rot_q, c, ref=ref, **options)
 
 
-def _names(shear: bool) -> tuple[str, ...]:
-    return FIELDS if shear else FIELDS[:SHEAR]
-
-
-def _fields(*, order, shear):
-    return fields_after(CLOSURE, len(_names(shear)), order)
-
-
 def _matrix(of: Damping | None, leaf: Leaf, order: int, shear: bool, ref: Reference):
-    length, names = _length(ref, leaf.initial), _names(shear)
-    matrix = leaf.matrix(of, order, length, names)
-    if of is None and leaf.ends is not None:
-        matrix = matrix + ends_matrix(leaf, order, length, names)
-    return jnp.pad(matrix, (CLOSURE, 0))
+    return jnp.pad(leaf.matrix(of, order, _length(ref, leaf.initial), _names(shear)), (CLOSURE, 0))
 
 
 def _stiffness(*, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
@@ -77,8 +65,7 @@ def _energy(e: Array, *, ref, section, order, shear, clamped=None, curvature=Non
 
 
 def _inertia(*nodes: Array, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
-    options = _of_beam(section, clamped, order, shear, curvature, clamp)
-    return spectral_planar._inertia(*nodes, ref=ref, **options)
+    return spectral_planar._inertia(*nodes, ref=ref, **_of_beam(section, clamped, order, shear, curvature, clamp))
 
 
 def _resultants(
@@ -96,12 +83,8 @@ def _surface(e: Array, *, ref, place, resultants, section, clamped=None, curvatu
 
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, clamped=None, curvature=None, clamp=None):
     """Thermal elongation and curvature; the warmer side becomes longer."""
-    length, bends = _length(ref, curvature), {"EIy": -gradient[0]}
-    leaf, names = leaf_of(section, clamped, curvature, None, clamp), _names(shear)
-    coefficients = leaf.thermal(change, bends, order, length, names)
-    if leaf.ends is not None:
-        matrix = leaf.matrix(None, order, length, names) + ends_matrix(leaf, order, length, names)
-        coefficients = free_of_jumps(leaf, order, length, names, coefficients, matrix)
+    leaf, bends = leaf_of(section, clamped, curvature, None, clamp), {"EIy": -gradient[0]}
+    coefficients = leaf.thermal(change, bends, order, _length(ref, curvature), _names(shear))
     return jnp.pad(coefficients, (CLOSURE, 0))
 
 
@@ -133,7 +116,7 @@ leaf_spring = Element(
     shape=_shape,
     check=_check,
     third_order=True,
-    series=_fields,
+    series=spectral_planar._fields,
     lengths=(ELONGATION, SHEAR),
     names=spectral_planar.spectral_beam.names,
 )

@@ -10,7 +10,7 @@ from . import beams, spectral_spatial
 from .curves import CurvedLine
 from .element import Element
 from .leaf import Leaf, faults_of_leaf, leaf_of
-from .leaf_ends import Roots, ends_matrix, faults_of_ends, free_of_jumps
+from .leaf_ends import Roots, faults_of_ends
 from .leaf_stress import leaf_stress, twist_at
 from .nodes import Point3, Reference, Rotation3, Series3, Static, Warping
 from .profile import Profile
@@ -68,10 +68,7 @@ def _fields(*, order):
 
 
 def _matrix(of: Damping | None, leaf: Leaf, order: int, ref: Reference):
-    length = _length(ref, leaf.initial, order)
-    matrix = leaf.matrix(of, order, length, FIELDS)
-    if of is None and leaf.ends is not None:
-        matrix = matrix + ends_matrix(leaf, order, length, FIELDS)
+    matrix = leaf.matrix(of, order, _length(ref, leaf.initial, order), FIELDS)
     return jnp.pad(jnp.roll(matrix, (WARPINGS, WARPINGS), (0, 1)), (CLOSURE, 0))
 
 
@@ -126,12 +123,8 @@ def _thermal(
     change: Array, gradient: Array, *, ref, section, order, clamped=None, curvature=None, skew=None, clamp=None
 ):
     """Thermal elongation and curvatures; the warmer side becomes longer."""
-    length, bends = _length(ref, curvature, order), {"EIy": gradient[1], "EIz": -gradient[0]}
-    leaf = leaf_of(section, clamped, curvature, skew, clamp)
-    coefficients = leaf.thermal(change, bends, order, length, FIELDS)
-    if leaf.ends is not None:
-        matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
-        coefficients = free_of_jumps(leaf, order, length, FIELDS, coefficients, matrix)
+    leaf, bends = leaf_of(section, clamped, curvature, skew, clamp), {"EIy": gradient[1], "EIz": -gradient[0]}
+    coefficients = leaf.thermal(change, bends, order, _length(ref, curvature, order), FIELDS)
     return jnp.pad(coefficients, (CLOSURE + WARPINGS, 0))
 
 
@@ -141,7 +134,7 @@ def _shape(*nodes: Array, ref, place, section, order, clamped=None, y=None, curv
 
 
 def _check(*, ref, section, y=None, curvature=None, skew=None, clamp=None) -> list[str]:
-    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, curvature, y)
+    faults = beams.check_length(ref=ref) or beams.check_across(ref=ref, y=y) or check_curvature(ref, curvature, y)
     return faults or faults_of_leaf(section, ref, curvature) or faults_of_ends(skew, clamp)
 
 

@@ -155,11 +155,7 @@ def _across(fourth: Float[Array, ""]) -> tuple[Float[Array, ""], Float[Array, ""
     half, cosine, sine = jnp.exp(-u / 2), jnp.cos(u / 2), jnp.sin(u / 2)
     down, up = half * (1 - half**2), half * (1 + half**2)
     scale, twice = 1 - half**4, 2 * half**2 * jnp.sin(u)
-    large = (
-        2 * (up * sine + down * cosine),
-        6 / u**2 * (scale - twice),
-        24 / u**2 * (up * sine - down * cosine),
-    )
+    large = (2 * (up * sine + down * cosine), 6 / u**2 * (scale - twice), 24 / u**2 * (up * sine - down * cosine))
     parts = [
         jnp.where(small, by_series / below, far / (scale + twice)) for by_series, far in zip(series, large, strict=True)
     ]

@@ -12,7 +12,8 @@
 Names: p and q are the ends, ``rot_p`` and ``rot_q`` their rotations.
 """
 
-import jax
+from functools import partial
+
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
@@ -21,10 +22,10 @@ from ..arguments import as_floats, holds
 from ..lazy import only
 from ..math.rotation import QUARTER, cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
+from .beams import characteristic, uncoupled
 from .element import ALL, Element
 from .nodes import Angle, Point2, Reference, Static
 from .sections import Damping, Section
-from .shared_laws import characteristic, uncoupled
 
 
 def _truss(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]:
@@ -107,21 +108,11 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
     Local z of the section is the beam's local y. Local y of the section points into the plane, so that a positive
     bending moment about it turns clockwise.
     """
-
-    def deformations(*nodes: Array):
-        return _beam(*nodes, ref=ref, second_order=second_order)
-
     p, rot_p, q, rot_q = nodes
     axes, chord = _axes(rot_p, rot_q, ref), q - p
-    pulls = jax.vjp(deformations, *nodes)[1](sigma)
-    if fall is not None:
-
-        def inertia(*nodes: Array):
-            return _beam_inertia(*nodes, ref=ref, section=section)
-
-        _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
-        pulls = jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
-    force_p, moment_p, force_q, moment_q = pulls
+    deformation = partial(_beam, ref=ref, second_order=second_order)
+    inertia = partial(_beam_inertia, ref=ref, section=section)
+    force_p, moment_p, force_q, moment_q = beams.nodal_forces(deformation, inertia, nodes, sigma, fall)
     normal, across = jnp.einsum("eax,ex->ae", axes, jnp.stack([-force_p, force_q]))
     resultants = beams.resultants_between_ends(
         jnp.stack([normal, across, jnp.concatenate([moment_p, -moment_q])], axis=1), place
@@ -322,7 +313,7 @@ mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 
 def _drag(p: Point2, *, ref: Reference) -> Float[Array, "2"]:
     """Displacement of p. Returns (2,) [m]. Source: Definition."""
-    return beams.point_displacement(p, ref=ref)
+    return p - ref.p
 
 
 drag = Element(_drag, **beams.drag_laws("xy", by_length=False))

@@ -120,11 +120,6 @@ class Profile(Section):
             )
         return MaterialDamping(times[0])
 
-    @property
-    def expands(self) -> bool:
-        """Return whether the material has a coefficient of thermal expansion."""
-        return self._kind().expands
-
     def _kind(self) -> Section:
         """A section of the common kind, with meaningless numbers."""
         code: Any = self.function
@@ -297,7 +292,7 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
         starts = jnp.concatenate([jnp.zeros(1), breaks[:-1]])
         sizes = breaks - starts
         everywhere = starts[:, None] + sizes[:, None] * nodes
-        numbers = jax.vmap(lambda place: _numbers(profile.at(place, length)))(everywhere.ravel())
+        numbers = jax.vmap(lambda place: rigidity_at(profile, place, length))(everywhere.ravel())
         all_values = jnp.stack([getattr(numbers, name) for name in (*STIFF, "mass")]).reshape(-1, *everywhere.shape)
 
         def of_rule(i: int) -> tuple[Float[Array, "n"], Float[Array, "5 n"]]:
@@ -328,8 +323,9 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
     return jax.lax.map(one, (stacked, lengths), batch_size=TOGETHER)
 
 
-def _numbers(section: Section) -> Rigidity:
-    return jax.tree.map(lambda number: jnp.asarray(number, float), section.rigidity())
+def rigidity_at(section: Section, place: Scalar, length: Scalar) -> Rigidity:
+    """Return the rigidity of a section at a place of a beam, as arrays."""
+    return jax.tree.map(lambda number: jnp.asarray(number, float), section.at(place, length).rigidity())
 
 
 def taper(first: Section, last: Section) -> Profile:

@@ -153,7 +153,7 @@ class Section(Record):
     @property
     def expands(self) -> bool:
         """Whether its coefficient of thermal expansion is stated."""
-        return getattr(getattr(self, "material", None), "alpha", None) is not None
+        return self.states("alpha")
 
     def faults(self) -> list[str]:
         """Return the faults of known numbers: sizes and moduli that are not positive, negative densities."""
@@ -217,19 +217,16 @@ class Rigidity(Section):
         return self.outline is not None
 
     def stated(self, quantity: str) -> Any:
-        """Return the strength or the fatigue limit of the outline's material; None for any other quantity.
+        """Return alpha, or the strength or the fatigue limit of the outline's material; None for any other quantity.
 
         Args:
             quantity: Attribute of :class:`Material`.
         """
+        if quantity == "alpha":
+            return self.alpha
         if self.outline is None or quantity not in ("strength", "fatigue"):
             return None
         return self.outline.stated(quantity)
-
-    @property
-    def expands(self) -> bool:
-        """Whether its coefficient of thermal expansion is stated."""
-        return self.alpha is not None
 
     def shear_rigidities(self) -> tuple[Any, Any]:
         """Return the shear rigidities along y and along z [N]; zero for a section that is rigid in shear."""

@@ -13,6 +13,7 @@ Names: p and q are the ends, ``rot_p`` and ``rot_q`` the Euler parameters of the
 """
 
 import dataclasses
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -24,10 +25,10 @@ from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
 from ..numerical_limits import PRINCIPAL_MOMENTS
 from . import beams, joints, leaf_spatial, spectral_spatial
+from .beams import characteristic
 from .element import Element
 from .nodes import Point3, Reference, Rotation3, Static, Warping
 from .sections import Damping, Section
-from .shared_laws import characteristic
 
 
 def _truss(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]:
@@ -140,21 +141,11 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
 
     A force f dual to Euler parameters is the moment Lbar f / 2.
     """
-
-    def deformations(*nodes: Array):
-        return _beam(*nodes, ref=ref, y=y, second_order=second_order)
-
     p, rot_p, q, rot_q = nodes
     triads = _triads(rot_p, rot_q, ref, y)
-    pulls = jax.vjp(deformations, *nodes)[1](sigma)
-    if fall is not None:
-
-        def inertia(*nodes: Array):
-            return _beam_inertia(*nodes, ref=ref, section=section, y=y)
-
-        _, weight, h = jax.vjp(inertia, *nodes, has_aux=True)
-        pulls = jax.tree.map(jnp.subtract, pulls, weight(h @ fall))
-    force_p, dual_p, force_q, dual_q = pulls
+    deformation = partial(_beam, ref=ref, y=y, second_order=second_order)
+    inertia = partial(_beam_inertia, ref=ref, section=section, y=y)
+    force_p, dual_p, force_q, dual_q = beams.nodal_forces(deformation, inertia, nodes, sigma, fall)
     moments = jnp.stack([-lbar(rot_p) @ dual_p, lbar(rot_q) @ dual_q]) / 2
     vectors = jnp.stack([jnp.stack([-force_p, force_q]), moments], axis=1)
     resultants = beams.resultants_between_ends(vectors @ triads, place)
@@ -169,7 +160,7 @@ def _beam_resultants(*nodes: Array, ref, place, sigma, section, second_order, fa
 
 
 def _check_beam(*, ref, y=None) -> list[str]:
-    return beams.check_length(ref=ref) or beams.check_across(ref, y)
+    return beams.check_length(ref=ref) or beams.check_across(ref=ref, y=y)
 
 
 def _beam_thermal(change: Array, gradient: Array, *, ref, section) -> Float[Array, "6"]:
@@ -341,15 +332,11 @@ def _rigid_thermal(
     return expansion * ((change[0] + change[1]) / 2 * offset - across / 2)
 
 
-def _check_rigid(*, ref: Reference, y: Float[Array, "3"] | None = None) -> list[str]:
-    return beams.check_across(ref, y)
-
-
 rigid_beam = Element(
     _rigid_beam,
     inertia=beams.rigid_inertia,
     thermal=_rigid_thermal,
-    check=_check_rigid,
+    check=beams.check_across,
     released=(),
     names=("offset_x", "offset_y", "offset_z"),
 )
@@ -387,7 +374,7 @@ rigid_body = Element(
     inertia=beams.rigid_inertia,
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
-    check=_check_rigid,
+    check=beams.check_across,
     released=(),
     names=(*rigid_beam.names, "tilt_x", "tilt_y", "tilt_z"),
 )
@@ -445,7 +432,7 @@ mass = Element(_nothing_at, inertia=beams.point_inertia, check=beams.check_mass)
 
 def _drag(p: Point3, *, ref: Reference) -> Float[Array, "3"]:
     """Displacement of p. Returns (3,) [m]. Source: Definition."""
-    return beams.point_displacement(p, ref=ref)
+    return p - ref.p
 
 
 drag = Element(_drag, **beams.drag_laws("xyz", by_length=False))

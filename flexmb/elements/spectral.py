@@ -11,7 +11,7 @@ This module has the common parts of the beam in the plane (``spectral_planar``) 
 and q are the ends, ``rot_p`` and ``rot_q`` their rotations, c the coefficients.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -21,10 +21,10 @@ from jaxtyping import Array, Float
 
 from ..arguments import as_floats, holds, is_concrete, library_of
 from ..compilation.compile import traced_once
-from ..math.quadrature import gauss, integration_matrix, legendre_integrals_at, legendre_values, legendre_values_at
+from ..math.quadrature import gauss, integration_matrix, legendre_integrals, legendre_values
 from .curves import CurvedLine, arc_length, curve_length, faults_of_curve
 from .nodes import Reference
-from .profile import NODES, Profile
+from .profile import NODES, Profile, rigidity_at
 from .section import Damping, Rigidity, Section
 
 # Largest number of coefficients of a strain field: more take minutes to compile and only add round-off.
@@ -68,7 +68,7 @@ class BeamPieces(NamedTuple):
         """Return the integral of loads at nodes from a place to the end, (k,)."""
         reached = (place - self.starts) / jnp.where(self.sizes > 0, self.sizes, 1.0)
         n = coefficients.shape[0]
-        remaining = np.eye(n)[0] - legendre_integrals_at(n, jnp.clip(reached, 0.0, 1.0))
+        remaining = np.eye(n)[0] - legendre_integrals(n, jnp.clip(reached, 0.0, 1.0))
         return jnp.einsum("i,in,nm,imk->k", self.sizes, remaining, coefficients, loads)
 
 
@@ -100,11 +100,7 @@ def rigidities(section: Section, places: Float[Array, "n"], length: Float[Array,
 @traced_once
 def _along(section: Section, places: Float[Array, "n"], length: Float[Array, ""]) -> Rigidity:
     """Rigidities of a varying section at places, each (n,)."""
-
-    def numbers(place: Float[Array, ""]):
-        return jax.tree.map(lambda number: jnp.asarray(number, float), section.at(place, length).rigidity())
-
-    return jax.vmap(numbers)(places)
+    return jax.vmap(lambda place: rigidity_at(section, place, length))(places)
 
 
 def rigidity_of(s: Any, name: str):
@@ -114,6 +110,12 @@ def rigidity_of(s: Any, name: str):
     return getattr(s, name, 0.0)
 
 
+def constant_rigidities(of: Section | Damping, names: Sequence[str]) -> Float[Array, "names"]:
+    """Return rigidities of a section that does not vary, or damping rigidities."""
+    constant = of.rigidity() if isinstance(of, Section) else of
+    return jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in names])
+
+
 def strains(order: int, section: Section | None, places: Any, length: Float[Array, ""], names: Sequence[str]) -> Any:
     """Return strains times length at places, by each coefficient of each field.
 
@@ -121,10 +123,11 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     polynomials, and the strains are polynomials times the local compliance over its mean. Returns (n, fields, order)
     [-]. Source: THEORY.md 2, eq. (2.11) and (2.21).
     """
-    traced = isinstance(places, jax.Array)
-    polynomials = (legendre_values_at if traced else legendre_values)(order, places)
+    polynomials = legendre_values(order, places)
     if section is None or not section.varies:
-        return (jnp if traced else np).broadcast_to(polynomials[:, None], (len(places), len(names), order))
+        return (jnp if isinstance(places, jax.Array) else np).broadcast_to(
+            polynomials[:, None], (len(places), len(names), order)
+        )
     if isinstance(section, Profile):
         return relative(section, places, length, names)[:, :, None] * polynomials[:, None]
     return section.relative(places, length, names)[:, :, None] * polynomials[:, None]
@@ -166,50 +169,18 @@ def series_matrix(
         1/(2k + 1).
     """
     if section is None or not section.varies:
-        constant = of.rigidity() if isinstance(of, Section) else of
-        blocks = jnp.stack([jnp.asarray(rigidity_of(constant, name), float) for name in names])[:, None] / length
-        blocks = blocks / (2.0 * np.arange(order) + 1)
+        blocks = constant_rigidities(of, names)[:, None] / length / (2.0 * np.arange(order) + 1)
         return jnp.diag(jnp.concatenate([jnp.zeros(closure), blocks.ravel()]))
     nodes, weights = gauss(NODES)
     pieces = pieces_of(section, length)
     places = pieces.spread(nodes).ravel()
-    if isinstance(of, Section):
-        stiff = rigidities(of, places, length, names)
-    else:
-        stiff = jnp.stack([jnp.asarray(rigidity_of(of, name), float) for name in names])
+    elastic = isinstance(of, Section)
+    stiff = rigidities(of, places, length, names) if elastic else constant_rigidities(of, names)
     shapes = strains(order, section, places, length, names)
     weighted = (pieces.sizes[:, None] * weights).ravel()[:, None] * stiff / length
     blocks = jnp.einsum("nf,nfj,nfk->fjk", weighted, shapes, shapes)
     full = jnp.einsum("fjk,fg->fjgk", blocks, np.eye(len(names))).reshape(2 * (blocks.shape[0] * order,))
     return jnp.pad(full, (closure, 0))
-
-
-def series_of(
-    wanted: Callable[..., Any],
-    section: Section,
-    order: int,
-    length: Float[Array, ""],
-    closure: int,
-    names: Sequence[str],
-) -> Float[Array, "n_e"]:
-    """Return the deformations of a beam whose strains fit given strains with the least elastic energy.
-
-    For constant strains, and for linear strains with at least two coefficients, the pose of the last end is exact to
-    first order, for every section. Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.33).
-
-    Args:
-        wanted: Function that returns strains times length at places (n,) from 0 to 1, (n, fields) [m, rad].
-    """
-    pieces = pieces_of(section, length)
-    nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
-    places = pieces.spread(nodes).ravel()
-    shapes, weights = strains(order, section, places, length, names), (pieces.sizes[:, None] * weights).ravel()
-    if not isinstance(section, Profile):
-        coefficients = (2.0 * np.arange(order) + 1)[:, None] * ((weights[:, None] * shapes[:, 0]).T @ wanted(places))
-        return jnp.concatenate([jnp.zeros(closure), coefficients.T.ravel()])
-    weighted = (weights[:, None] / _compliance(section, places, length, names))[:, :, None] * shapes
-    matrix, right = (jnp.einsum("nfj,nf...->fj...", weighted, values) for values in (shapes, wanted(places)))
-    return jnp.concatenate([jnp.zeros(closure), jnp.linalg.solve(matrix, right[:, :, None]).ravel()])
 
 
 def thermal_series(
@@ -221,20 +192,27 @@ def thermal_series(
     closure: int,
     names: Sequence[str],
 ) -> Float[Array, "n_e"]:
-    """Return the deformations of a free beam by temperature.
+    """Return the deformations of a free beam by temperature: the series fit the strains with the least elastic energy.
 
-    Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.31) and (2.33).
+    For constant strains, and for linear strains with at least two coefficients, the pose of the last end is exact to
+    first order, for every section. Returns (n_e,) [m, rad]. Source: THEORY.md 2, eq. (2.31) and (2.33).
 
     Args:
         bends: Curvature over the coefficient of thermal expansion, by the name of its rigidity, () [K/m].
     """
-
-    def wanted(places: Float[Array, "n"]):
-        along = {"EA": change[0] + places * (change[1] - change[0]), **bends}
-        by_field = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
-        return length * rigidities(section, places, length, ("alpha",)) * by_field
-
-    return series_of(wanted, section, order, length, closure, names)
+    pieces = pieces_of(section, length)
+    nodes, weights = gauss(NODES if isinstance(section, Profile) else order + 1)
+    places = pieces.spread(nodes).ravel()
+    shapes, weights = strains(order, section, places, length, names), (pieces.sizes[:, None] * weights).ravel()
+    along = {"EA": change[0] + places * (change[1] - change[0]), **bends}
+    by_field = jnp.stack([jnp.broadcast_to(along.get(name, 0.0), places.shape) for name in names], axis=1)
+    wanted = length * rigidities(section, places, length, ("alpha",)) * by_field
+    if not isinstance(section, Profile):
+        coefficients = (2.0 * np.arange(order) + 1)[:, None] * ((weights[:, None] * shapes[:, 0]).T @ wanted)
+        return jnp.concatenate([jnp.zeros(closure), coefficients.T.ravel()])
+    weighted = (weights[:, None] / _compliance(section, places, length, names))[:, :, None] * shapes
+    matrix, right = (jnp.einsum("nfj,nf...->fj...", weighted, values) for values in (shapes, wanted))
+    return jnp.concatenate([jnp.zeros(closure), jnp.linalg.solve(matrix, right[:, :, None]).ravel()])
 
 
 def check_curvature(ref: Reference, curvature: Any, y: Any = None) -> list[str]:

@@ -1,6 +1,7 @@
 """Spectral beam in the plane, with or without shear; common code is in ``spectral``."""
 
-import functools
+import copy
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,8 +20,6 @@ from .nodes import Angle, Point2, Reference, Series2, Static
 from .section import Scalar
 from .sections import Damping, Section
 from .spectral import (
-    WHOLE,
-    BeamPieces,
     check_curvature,
     check_section,
     check_shear,
@@ -40,25 +39,9 @@ FIELDS = ("EA", "EIy", "GAz")
 CLOSURE = 3
 
 
-def _rule(
-    order: int, shear: bool, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
-) -> SimpleNamespace:
-    """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
-    if end is None and (section is None or not section.varies):
-        return _constant_rule(order, shear)
-    rule = _rule_on(order, shear, section, length, pieces_of(section, length, end))
-    if getattr(section, "ends", None) is not None:
-        at_ends: Any = jumps(section, order, length, FIELDS[: _count(shear)])
-        rule.jumps = IN_PLANE @ at_ends
-    return rule
-
-
-@functools.cache
-def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
-    rule = _rule_on(order, shear, None, 1.0, WHOLE)
-    # Only the first coefficient of the curvature contributes to the angle between the ends.
-    rule.turn = np.eye(order)[0]
-    return rule
+def _names(shear: bool) -> tuple[str, ...]:
+    """Rigidities of the strain fields."""
+    return FIELDS if shear else FIELDS[:SHEAR]
 
 
 def gauss_nodes(order: int) -> int:
@@ -66,104 +49,107 @@ def gauss_nodes(order: int) -> int:
     return 2 * order + 8
 
 
-def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
-    nodes, weights = gauss(gauss_nodes(order))
+def _rule(
+    order: int, shear: bool, section: Section | None, length: Float[Array, ""], end: Float[Array, ""] | None = None
+) -> SimpleNamespace:
+    """Quadrature along the beam, to a place or to its last end, with the strains at its nodes and their integrals."""
+    pieces, (nodes, weights) = pieces_of(section, length, end), gauss(gauss_nodes(order))
     places = pieces.spread(nodes).ravel()
-    shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
+    shapes = strains(order, section, places, length, _names(shear))
     along = pieces.integrals(nodes, weights)
     weights = (pieces.sizes[:, None] * weights).ravel()
     curvatures = shapes[:, CURVATURE]
-    terms = {"elongations": shapes[:, ELONGATION], "angles": along @ curvatures, "turn": weights @ curvatures}
-    terms["shears"] = shapes[:, SHEAR] if shear else None
-    return SimpleNamespace(pieces=pieces, inner=nodes, nodes=places, weights=weights, along=along, **terms)
-
-
-def _count(shear: bool) -> int:
-    """Number of strain fields."""
-    return 3 if shear else 2
-
-
-def _fields_of(c: Float[Array, "c"], rule: SimpleNamespace) -> Float[Array, "fields order"]:
-    """Coefficients of each field."""
-    return c.reshape(-1, rule.angles.shape[1])
-
-
-def _stretched_along(
-    c: Float[Array, "c"], length: Float[Array, ""], rule: SimpleNamespace, directions: Float[Array, "n 2"]
-) -> Float[Array, "n 2"]:
-    """Derivative of the position by the place at the nodes: along the normals of the sections, and across by shear."""
-    fields = _fields_of(c, rule)
-    slopes = (length + rule.elongations @ fields[ELONGATION])[:, None] * directions
-    if rule.shears is None:
-        return slopes
-    across = jnp.stack([-directions[:, 1], directions[:, 0]], axis=-1)
-    return slopes + (rule.shears @ fields[SHEAR])[:, None] * across
+    compliant_ends: Any = getattr(section, "ends", None) and jumps(section, order, length, _names(shear))
+    return SimpleNamespace(
+        pieces=pieces,
+        inner=nodes,
+        nodes=places,
+        weights=weights,
+        along=along,
+        elongations=shapes[:, ELONGATION],
+        angles=along @ curvatures,
+        # If the strains are known polynomials, only the first coefficient contributes to the angle between the ends.
+        turn=np.eye(order)[0] if isinstance(shapes, np.ndarray) else weights @ curvatures,
+        shears=shapes[:, SHEAR] if shear else None,
+        jumps=None if compliant_ends is None else IN_PLANE @ compliant_ends,
+    )
 
 
 def _length(ref: Reference, curvature: Scalar | CurvedLine | None) -> Float[Array, ""]:
     return curved_length(beams.beam_length(ref), curvature)
 
 
-def _bent(
-    c: Float[Array, "c"],
-    length: Float[Array, ""],
-    curvature: Scalar | CurvedLine | None,
-    s: Float[Array, "n"] | np.ndarray,
-    integrals: Float[Array, "n order"] | np.ndarray,
-) -> Float[Array, "n 2"]:
-    """Directions at places s, in axes of end p."""
-    angle = integrals @ c.reshape(-1, integrals.shape[1])[CURVATURE]
-    if curvature is not None:
-        angle = angle + turned_to(curvature, length, s)
-    return jnp.stack(cosine_and_sine(angle), axis=-1)
+class PlanarLine:
+    """The line of a beam by the coefficients c of its strains, from end p to a place or to its last end.
 
+    Attributes:
+        length: Length of the beam, () [m].
+        rule: Quadrature.
+        fields: Coefficients of each strain, (fields, order).
+        jumps: Displacement and angle that each end adds, (2, 3); None without compliant ends.
+    """
 
-def _jumps(c: Float[Array, "c"], rule: SimpleNamespace) -> Any:
-    """Displacement and angle that each end adds to the line; None without compliant ends."""
-    return rule.jumps @ c if hasattr(rule, "jumps") else None
+    def __init__(self, c: Array, ref: Reference, order: int, shear: bool, section: Any, curvature: Any):
+        chord = beams.beam_length(ref)
+        self.length, self._along, self._start = curved_length(chord, curvature), (ref.q - ref.p) / chord, ref.rot_p
+        self._curvature, self.fields = curvature, c.reshape(-1, order)
+        self._rule_to = partial(_rule, order, shear, section, self.length)
+        self.rule = self._rule_to(None)
+        self.jumps: Any = None if self.rule.jumps is None else self.rule.jumps @ c
 
+    def up_to(self, place: Float[Array, ""]) -> "PlanarLine":
+        """The same line, to a place."""
+        part = copy.copy(self)
+        part.rule = self._rule_to(place)
+        return part
 
-def _line(
-    rot_p: Angle,
-    c: Float[Array, "c"],
-    ref: Reference,
-    order: int,
-    shear: bool,
-    section: Section | None,
-    curvature: Scalar | CurvedLine | None,
-):
-    """Length, axes of end p as columns, stretched directions at the nodes in these axes, and quadrature rule."""
-    length, tilt = _length(ref, curvature), 0.0
-    rule = _rule(order, shear, section, length)
-    if curvature is not None:
-        tilt = tilt_of(curvature, length)
-    x = rotation_plane(rot_p[0] - ref.rot_p[0] - tilt) @ ((ref.q - ref.p) / beams.beam_length(ref))
-    axes = jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
-    directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    stretched = _stretched_along(c, length, rule, directions)
-    if (at_ends := _jumps(c, rule)) is not None:
-        stretched = stretched @ rotation_plane(at_ends[0, 2]).T
-    return length, axes, stretched, rule
+    def axes(self, rot_p: Angle) -> Float[Array, "2 2"]:
+        """Axes of end p, as columns."""
+        tilt = 0.0 if self._curvature is None else tilt_of(self._curvature, self.length)
+        x = rotation_plane(rot_p[0] - self._start[0] - tilt) @ self._along
+        return jnp.stack([x, jnp.stack([-x[1], x[0]])], axis=1)
 
+    def _directions(self, places: Any, integrals: Any) -> Float[Array, "n 2"]:
+        """Directions at places, in axes of end p."""
+        angle = integrals @ self.fields[CURVATURE]
+        if self._curvature is not None:
+            angle = angle + turned_to(self._curvature, self.length, places)
+        return jnp.stack(cosine_and_sine(angle), axis=-1)
 
-def _to_place(
-    c: Float[Array, "c"],
-    length: Float[Array, ""],
-    order: int,
-    shear: bool,
-    section: Section | None,
-    curvature: Scalar | CurvedLine | None,
-    place: Float[Array, ""],
-):
-    """Direction at a place, and vector from p to this place, in axes of end p."""
-    rule = _rule(order, shear, section, length, place)
-    directions = _bent(c, length, curvature, rule.nodes, rule.angles)
-    last = _bent(c, length, curvature, place[None], rule.turn[None])[0]
-    way = rule.weights @ _stretched_along(c, length, rule, directions)
-    if (at_ends := _jumps(c, rule)) is not None:
-        turn = rotation_plane(at_ends[0, 2])
-        last, way = turn @ last, at_ends[0, :2] + turn @ way
-    return last, way
+    def _along_and_across(self, directions: Float[Array, "n 2"]) -> Float[Array, "n 2"]:
+        """Derivative of the position by the place: along the normals of the sections, and across by shear."""
+        slopes = (self.length + self.rule.elongations @ self.fields[ELONGATION])[:, None] * directions
+        if self.rule.shears is None:
+            return slopes
+        across = jnp.stack([-directions[:, 1], directions[:, 0]], axis=-1)
+        return slopes + (self.rule.shears @ self.fields[SHEAR])[:, None] * across
+
+    def _slopes_after_jump(self) -> Float[Array, "n 2"]:
+        return self._along_and_across(self._directions(self.rule.nodes, self.rule.angles))
+
+    def slopes(self) -> Float[Array, "n 2"]:
+        """Derivative of the position by the place at the nodes, in axes of end p."""
+        slopes = self._slopes_after_jump()
+        return slopes if self.jumps is None else slopes @ rotation_plane(self.jumps[0, 2]).T
+
+    def turned_slopes(self, turn: Float[Array, ""]) -> Float[Array, "n 2"]:
+        """As :meth:`slopes`, in global axes, of a beam whose end p is turned from its reference."""
+        angle = turn + self.rule.angles @ self.fields[CURVATURE]
+        if self._curvature is not None:
+            bent = turned_to(self._curvature, self.length, self.rule.nodes)
+            angle = angle + bent - tilt_of(self._curvature, self.length)
+        x, (cosine, sine) = self._along, cosine_and_sine(angle)
+        return self._along_and_across(cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]]))
+
+    def last_direction(self, place: Any) -> Float[Array, "2"]:
+        """Direction at the end of the line, (1,) place, in axes of end p."""
+        last = self._directions(place, self.rule.turn[None])[0]
+        return last if self.jumps is None else rotation_plane(self.jumps[0, 2]) @ last
+
+    def to_end(self) -> Float[Array, "2"]:
+        """Vector from p to the end of the line, in axes of end p."""
+        way = self.rule.weights @ self._slopes_after_jump()
+        return way if self.jumps is None else self.jumps[0, :2] + rotation_plane(self.jumps[0, 2]) @ way
 
 
 def _spectral_beam(
@@ -180,45 +166,26 @@ def _spectral_beam(
     curvature: float | CurvedLine | None = None,
 ) -> Float[Array, "n_e"]:
     """Closure at q, then the coefficients."""
-    _, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
-    displacement = axes.T @ (q - p) - rule.weights @ stretched
-    turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - rule.turn @ _fields_of(c, rule)[CURVATURE]
-    if (at_ends := _jumps(c, rule)) is not None:
-        length = _length(ref, curvature)
-        x, y = rotation_plane(at_ends[0, 2]) @ _bent(c, length, curvature, np.ones(1), rule.turn[None])[0]
-        displacement = displacement - at_ends[0, :2] - jnp.array([[x, -y], [y, x]]) @ at_ends[1, :2]
-        turn = turn - jnp.sum(at_ends[:, 2])
+    line = PlanarLine(c, ref, order, shear, section, curvature)
+    displacement = line.axes(rot_p).T @ (q - p) - line.rule.weights @ line.slopes()
+    turn = (rot_q - ref.rot_q) - (rot_p - ref.rot_p) - line.rule.turn @ line.fields[CURVATURE]
+    if line.jumps is not None:
+        x, y = line.last_direction(np.ones(1))
+        displacement = displacement - line.jumps[0, :2] - jnp.array([[x, -y], [y, x]]) @ line.jumps[1, :2]
+        turn = turn - jnp.sum(line.jumps[:, 2])
     return jnp.concatenate([jnp.concatenate([displacement, turn]), c])
 
 
 def _fields(*, order: int, shear: bool):
-    return fields_after(3, _count(shear), order)
+    return fields_after(CLOSURE, len(_names(shear)), order)
 
 
 def _stiffness(*, ref, section, order, shear, curvature=None):
-    return series_matrix(section, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
+    return series_matrix(section, section, order, _length(ref, curvature), CLOSURE, _names(shear))
 
 
 def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
-    return series_matrix(damping, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
-
-
-def _stretched(
-    turn: Float[Array, ""],
-    c: Float[Array, "c"],
-    ref: Reference,
-    length: Float[Array, ""],
-    rule: SimpleNamespace,
-    curvature: Scalar | CurvedLine | None,
-):
-    """Directions times the stretch at the nodes of a beam turned from its reference, (n, 2)."""
-    angle = turn + rule.angles @ _fields_of(c, rule)[CURVATURE]
-    if curvature is not None:
-        angle = angle + turned_to(curvature, length, rule.nodes) - tilt_of(curvature, length)
-    x = (ref.q - ref.p) / beams.beam_length(ref)
-    cosine, sine = cosine_and_sine(angle)
-    directions = cosine[:, None] * x + sine[:, None] * jnp.stack([-x[1], x[0]])
-    return _stretched_along(c, length, rule, directions)
+    return series_matrix(damping, section, order, _length(ref, curvature), CLOSURE, _names(shear))
 
 
 def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
@@ -228,21 +195,16 @@ def _inertia(*nodes: Array, ref, section, order, shear=False, curvature=None):
     coefficients of curvature, padded by zeros.
     """
     p, rot_p, *_, c = nodes
-    length = _length(ref, curvature)
-    rule = _rule(order, shear, section, length)
-    turn = rot_p - ref.rot_p
-    angle = turn[0] if (at_ends := _jumps(c, rule)) is None else turn[0] + at_ends[0, 2]
-    stretched = _stretched(angle, c, ref, length, rule, curvature)
-    if at_ends is not None:
-        p = p + _line(rot_p, c, ref, order, shear, section, curvature)[1] @ at_ends[0, :2]
-        turn = turn + at_ends[0, 2]
-    turns = jnp.concatenate([turn, _fields_of(c, rule)[CURVATURE]])
-    masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * (length * rule.weights)[:, None]
-    sums = [
-        (matrix.T * masses[:, k]) @ matrix for k, matrix in enumerate((_with_ones(rule.along), _with_ones(rule.angles)))
-    ]
-    vectors = jnp.concatenate([p[None], stretched, jnp.stack([turns, jnp.zeros_like(turns)], axis=1)])
-    return vectors, block_diag(*sums)
+    line, turn = PlanarLine(c, ref, order, shear, section, curvature), rot_p - ref.rot_p
+    if line.jumps is not None:
+        p = p + line.axes(rot_p) @ line.jumps[0, :2]
+        turn = turn + line.jumps[0, 2]
+    rule, turns = line.rule, jnp.concatenate([turn, line.fields[CURVATURE]])
+    masses = rigidities(section, rule.nodes, line.length, ("mass", "Jy")) * (line.length * rule.weights)[:, None]
+    to_places, to_angles = _with_ones(rule.along), _with_ones(rule.angles)
+    vectors = [p[None], line.turned_slopes(turn[0]), jnp.stack([turns, jnp.zeros_like(turns)], axis=1)]
+    sums = [(matrix.T * masses[:, k]) @ matrix for k, matrix in enumerate((to_places, to_angles))]
+    return jnp.concatenate(vectors), block_diag(*sums)
 
 
 def _with_ones(integrals: Float[Array, "n k"] | np.ndarray) -> Float[Array, "n 1+k"]:
@@ -258,23 +220,24 @@ def _turn(lever: Float[Array, "*n 2"], force: Float[Array, "*n 2"]):
 def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, fall=None, curvature=None):
     """Section resultants at a place by statics of the part beyond it."""
     p, rot_p, q, _, c = nodes
-    length, axes, stretched, rule = _line(rot_p, c, ref, order, shear, section, curvature)
-    (cosine, sine), reached = _to_place(c, length, order, shear, section, curvature, place)
+    line = PlanarLine(c, ref, order, shear, section, curvature)
+    part = line.up_to(place)
+    rule, axes, (cosine, sine) = line.rule, line.axes(rot_p), part.last_direction(place[None])
     # Force and moment about p of the part beyond the place, counter-clockwise, in axes of end p.
     force, moment = jnp.split(sigma[:3], (2,))
     wrench = jnp.append(force, moment + _turn(axes.T @ (q - p), force))
     if fall is not None:
-        masses = rigidities(section, rule.nodes, length, ("mass", "Jy")) * length
+        masses = rigidities(section, rule.nodes, line.length, ("mass", "Jy")) * line.length
         n = masses.shape[0] + 1
         pulls = masses[:, :1] * ((fall[0] + rule.along @ fall[1:n]) @ axes)
         turning = masses[:, 1] * (_with_ones(rule.angles) @ fall[n:, 0])
-        levers = rule.along @ stretched
-        if (at_ends := _jumps(c, rule)) is not None:
-            levers = levers + at_ends[0, :2]
+        levers = rule.along @ line.slopes()
+        if line.jumps is not None:
+            levers = levers + line.jumps[0, :2]
         moments = _turn(levers, pulls) + turning
         loads = jnp.concatenate([pulls, moments[:, None]], axis=1).reshape(-1, len(rule.inner), 3)
         wrench = wrench + rule.pieces.beyond(legendre_coefficients(rule.inner), loads, place)
-    (x, y), bending = wrench[:2], wrench[2] - _turn(reached, wrench[:2])
+    (x, y), bending = wrench[:2], wrench[2] - _turn(part.to_end(), wrench[:2])
     # The y axis of the section points into the plane: a moment about it turns clockwise.
     zero = jnp.zeros_like(x)
     return jnp.stack([cosine * x + sine * y, zero, cosine * y - sine * x, zero, -bending, zero])
@@ -283,22 +246,20 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear=False, f
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
     """Thermal elongation and curvature; the warmer side becomes longer."""
     bends = {"EIy": -gradient[0]}
-    return thermal_series(change, bends, section, order, _length(ref, curvature), 3, FIELDS[: _count(shear)])
+    return thermal_series(change, bends, section, order, _length(ref, curvature), CLOSURE, _names(shear))
 
 
 def _shape(*nodes: Array, ref, place, order, shear=False, section=None, curvature=None):
     p, rot_p, *_, c = nodes
-    length, axes, *_ = _line(rot_p, c, ref, order, shear, section, curvature)
-    return p + axes @ _to_place(c, length, order, shear, section, curvature, place)[1]
+    line = PlanarLine(c, ref, order, shear, section, curvature)
+    return p + line.axes(rot_p) @ line.up_to(place).to_end()
 
 
 def _end_pose(*nodes: Array, ref, order, shear, section=None, curvature=None):
     """Pose of end q relative to end p."""
-    c = nodes[-1]
-    length = _length(ref, curvature)
-    rule = _rule(order, shear, section, length)
-    stretched = _stretched(-ref.rot_p[0], c, ref, length, rule, curvature)
-    return rule.weights @ stretched, ref.rot_q - ref.rot_p + rule.turn @ _fields_of(c, rule)[CURVATURE]
+    line = PlanarLine(nodes[-1], ref, order, shear, section, curvature)
+    turn = ref.rot_q - ref.rot_p + line.rule.turn @ line.fields[CURVATURE]
+    return line.rule.weights @ line.turned_slopes(-ref.rot_p[0]), turn
 
 
 def _check(*, ref, order, shear, section=None, curvature=None) -> list[str]:

@@ -1,6 +1,5 @@
 """Spectral beam in space, with or without shear; common code is in ``spectral``."""
 
-import functools
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,8 +20,6 @@ from .leaf_ends import SCREW, jumps, spread_cuts
 from .nodes import Point3, Reference, Rotation3, Series3, Static
 from .sections import Damping, Section
 from .spectral import (
-    WHOLE,
-    BeamPieces,
     check_curvature,
     check_section,
     check_shear,
@@ -59,19 +56,8 @@ def _rule(
         if section.ends.skew is not None:
             rule.basis = rule.basis + SCREW @ spread_cuts(section, order, plain.lengths, length, FIELDS)
         return rule
-    if end is None and (section is None or not section.varies):
-        return _constant_rule(order, shear)
-    return _rule_on(order, shear, section, length, pieces_of(section, length, end))
-
-
-@functools.cache
-def _constant_rule(order: int, shear: bool) -> SimpleNamespace:
-    return _rule_on(order, shear, None, 1.0, WHOLE)
-
-
-def _rule_on(order: int, shear: bool, section: Section | None, length: Any, pieces: BeamPieces) -> SimpleNamespace:
     # Steps in each piece.
-    steps = pose_steps(order)
+    pieces, steps = pieces_of(section, length, end), pose_steps(order)
     ends, weights = lobatto(steps + 1)
     lengths = np.diff(ends)
     # Three Gauss nodes in each step, or one for constant strains. A varying section uses DENSE nodes first: the strains
@@ -79,14 +65,14 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
     varies = section is not None and section.varies
     nodes, quadrature = gauss(DENSE if varies else 3 if order > 1 else 1)
     places = pieces.spread((ends[:-1, None] + lengths[:, None] * nodes).ravel()).ravel()
-    shapes = strains(order, section, places, length, FIELDS[: _count(shear)])
-    shapes = shapes.reshape(-1, len(nodes), _count(shear), order)
+    names = _names(shear)
+    shapes = strains(order, section, places, length, names).reshape(-1, len(nodes), len(names), order)
     if varies:
         moments = (2.0 * np.arange(3) + 1)[:, None] * legendre_values(3, nodes).T * quadrature
         shapes = jnp.einsum("gk,kn,snfo->sgfo", legendre_values(3, gauss(3)[0]), moments, shapes)
     sizes = (pieces.sizes[:, None] * lengths).ravel()
     basis = np.einsum if isinstance(shapes, np.ndarray) else jnp.einsum
-    basis = basis("sgfo,fx->sgxfo", shapes, PLACES[: _count(shear)])
+    basis = basis("sgfo,fx->sgxfo", shapes, PLACES[: len(names)])
     # Nodes of the mass move slightly inside the pieces, since adjacent pieces share their ends.
     masses = pieces.spread(np.clip(ends, 1e-9, 1 - 1e-9)).ravel()
     return SimpleNamespace(
@@ -101,9 +87,9 @@ def _rule_on(order: int, shear: bool, section: Section | None, length: Any, piec
     )
 
 
-def _count(shear: bool) -> int:
-    """Number of strain fields."""
-    return 6 if shear else 4
+def _names(shear: bool) -> tuple[str, ...]:
+    """Rigidities of the strain fields."""
+    return FIELDS if shear else FIELDS[:4]
 
 
 def _length(ref: Reference, curvature: Float[Array, "3"] | CurvedLine | None, order: int) -> Float[Array, ""]:
@@ -171,17 +157,17 @@ def _spectral_beam(
 
 
 def _fields(*, order: int, shear: bool):
-    return fields_after(6, _count(shear), order)
+    return fields_after(6, len(_names(shear)), order)
 
 
 def _stiffness(*, ref, section, order, shear, curvature=None):
     if isinstance(section, General):
         return jnp.pad(section.series_matrix(order, _length(ref, curvature, order), shear), (6, 0))
-    return series_matrix(section, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
+    return series_matrix(section, section, order, _length(ref, curvature, order), 6, _names(shear))
 
 
 def _damping(*, ref, damping: Damping, order, shear, section=None, curvature=None):
-    return series_matrix(damping, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
+    return series_matrix(damping, section, order, _length(ref, curvature, order), 6, _names(shear))
 
 
 def _masses(section: Section, rule: SimpleNamespace, length: Float[Array, ""]):
@@ -250,7 +236,7 @@ def _resultants(*nodes: Array, ref, place, sigma, section, order, shear, fall=No
 def _thermal(change: Array, gradient: Array, *, ref, section, order, shear, curvature=None):
     """Thermal elongation and curvatures; the warmer side becomes longer."""
     bends = {"EIy": gradient[1], "EIz": -gradient[0]}
-    return thermal_series(change, bends, section, order, _length(ref, curvature, order), 6, FIELDS[: _count(shear)])
+    return thermal_series(change, bends, section, order, _length(ref, curvature, order), 6, _names(shear))
 
 
 def _shape(*nodes: Array, ref, place, order, shear, section=None, y=None, curvature=None):
@@ -280,7 +266,7 @@ def _end_pose(*nodes: Array, ref, order, shear, section=None, y=None, curvature=
 
 
 def _check(*, ref, shear, section=None, y=None, curvature=None) -> list[str]:
-    faults = beams.check_length(ref=ref) or beams.check_across(ref, y) or check_curvature(ref, curvature, y)
+    faults = beams.check_length(ref=ref) or beams.check_across(ref=ref, y=y) or check_curvature(ref, curvature, y)
     faults = faults or check_section(section, ref, curvature)
     if section is None or faults:
         return faults

@@ -204,11 +204,11 @@ class AssembledEquations:
 
     def apart(self) -> SparseMatrices:
         """All four matrices, without stored zeros."""
-        k, c, m, d = (self._matrix(data) for data in (self._k, self._c, self._m, self._d))
-        parts = [matrix[: self.n, : self.n] for matrix in (k, c, m)] + [d[self.n :, : self.n]]
+        stiffness = self._matrix(self._k)[: self.n, : self.n]
+        parts = SparseMatrices(stiffness, self.damping, self.mass, self.constraints)
         for matrix in parts:
             matrix.eliminate_zeros()
-        return SparseMatrices(*parts)
+        return parts
 
 
 def _groups(elements: ElementMatrices) -> list[BlockMatrices]:

@@ -160,9 +160,7 @@ def _pencil_jvp(primals: tuple[Array, ...], tangents: tuple[Array, ...]):
     return (mu, w), (diagonal_of(change), w @ coefficients)
 
 
-def general_eigen(
-    a: Float[Array, "n n"],
-) -> tuple[Complex[Array, "n"], Complex[Array, "n n"], Float[Array, "n"]]:
+def general_eigen(a: Float[Array, "n n"]) -> tuple[Complex[Array, "n"], Complex[Array, "n n"], Float[Array, "n"]]:
     """Eigenvalues, vectors and condition numbers of a matrix that need not be symmetric.
 
     Derivatives of eigenvalues hold for simple eigenvalues; they are zero if vectors are not separable. Vectors, as

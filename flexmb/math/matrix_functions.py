@@ -1,4 +1,4 @@
-"""Functions of a symmetric matrix by its eigenvalues, with derivatives that hold where eigenvalues repeat."""
+"""Functions of a symmetric matrix, with derivatives that hold where eigenvalues repeat, and Lyapunov's equation."""
 
 import functools
 from collections.abc import Callable
@@ -6,8 +6,9 @@ from typing import Any
 
 import jax
 import jax.numpy as jnp
+import jax.scipy.linalg
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Complex, Float
 
 from ..numerical_limits import EIGENVALUES_ALIKE
 from .linear import pencil
@@ -73,3 +74,35 @@ def _harmonic_jvp(function: Callable[..., Any], primals: tuple[Array, ...], tang
     # P dX + dX P = 2 P dN P + dP (2 N P - X) + (2 P N - X) dP.
     side = dp @ (n * 2 * p[None, :] ** 2 / total)
     return u @ (_mean(p) * n) @ u.T, u @ (_mean(p) * dn + (side + side.T) / total) @ u.T
+
+
+def lyapunov(a: Float[Array, "n n"], w: Float[Array, "s n n"]) -> Float[Array, "s n n"]:
+    """Solutions P of A P + P A^T + W = 0: covariances of the states under white noise.
+
+    Derivatives solve the same equation, in reverse the adjoint one, with the same factors. Source: Bartels, Stewart
+    (1972), Communications of the ACM 15, 820, with a complex Schur form.
+    """
+    t, u = jax.scipy.linalg.schur(jax.lax.stop_gradient(a).astype(complex), output="complex")
+    n = a.shape[0]
+    eye = jnp.eye(n, dtype=complex)
+
+    def solved(matrix: Float[Array, "s n n"], adjoint: bool):
+        # With A = U T U^H: T Y + Y T^H = F, last column first; adjoint: T^H Y + Y T = F, first column first.
+        triangle, around = (t.conj().T, t) if adjoint else (t, t.conj().T)
+        right = u.conj().T @ matrix.astype(complex) @ u
+
+        def column(i: Array, y: Complex[Array, "s n n"]):
+            j = i if adjoint else n - 1 - i
+            known = right[:, :, j] - y @ around[:, j]
+            y_j = jax.lax.linalg.triangular_solve(triangle + around[j, j] * eye, known.T, left_side=True, lower=adjoint)
+            return y.at[:, :, j].set(y_j.T)
+
+        y = jax.lax.fori_loop(0, n, column, jnp.zeros_like(right))
+        return jnp.real(u @ y @ u.conj().T)
+
+    return jax.lax.custom_linear_solve(
+        lambda p: a @ p + p @ a.T,
+        -w,
+        solve=lambda _, right: solved(right, False),
+        transpose_solve=lambda _, right: solved(right, True),
+    )

@@ -1,16 +1,26 @@
-"""Legendre polynomials on [0, 1], their integrals, quadrature nodes: by NumPy; functions named ``.._at`` use JAX."""
+"""Legendre polynomials on [0, 1], their integrals, quadrature nodes: by NumPy, at places of JAX by JAX."""
 
 import functools
+from typing import Any
 
+import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
 from numpy.polynomial import legendre
 
 
-def legendre_values(order: int, s: np.ndarray) -> np.ndarray:
-    """Values of the Legendre polynomials P_k(2 s - 1), k < order, (n, order); P_k^2 integrates to 1/(2 k + 1)."""
-    return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
+def legendre_values(order: int, s: Any) -> Any:
+    """Values of the Legendre polynomials P_k(2 s - 1), k < order, (*n, order); P_k^2 integrates to 1/(2 k + 1).
+
+    By (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1} at places of JAX.
+    """
+    if not isinstance(s, jax.Array):
+        return legendre.legvander(2 * np.asarray(s) - 1, order - 1)
+    x = 2 * s - 1
+    values = [jnp.ones_like(x), x]
+    for k in range(1, order - 1):
+        values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
+    return jnp.stack(values[:order], axis=-1)
 
 
 def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
@@ -19,26 +29,11 @@ def legendre_slopes(order: int, s: np.ndarray) -> np.ndarray:
     return 2 * legendre.legval(2 * np.asarray(s) - 1, slopes).T if order > 1 else np.zeros((len(s), 1))
 
 
-def legendre_integrals(order: int, s: np.ndarray) -> np.ndarray:
-    """Integrals of P_k(2 s - 1) from 0 to s, (n, order), by (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx."""
+def legendre_integrals(order: int, s: Any) -> Any:
+    """Integrals of P_k(2 s - 1) from 0 to s, (*n, order), by (2 k + 1) P_k = d(P_{k+1} - P_{k-1})/dx."""
     values = legendre_values(order + 1, s)
-    below = np.concatenate([-np.ones((len(s), 1)), values[:, :-2]], axis=1)
-    return (values[:, 1:] - below) / (2 * (2 * np.arange(order) + 1))
-
-
-def legendre_values_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
-    """As :func:`legendre_values`, at traced places, by (k + 1) P_{k+1} = (2 k + 1) x P_k - k P_{k-1}."""
-    x = 2 * s - 1
-    values = [jnp.ones_like(x), x]
-    for k in range(1, order - 1):
-        values.append(((2 * k + 1) * x * values[k] - k * values[k - 1]) / (k + 1))
-    return jnp.stack(values[:order], axis=-1)
-
-
-def legendre_integrals_at(order: int, s: Float[Array, "*n"]) -> Float[Array, "*n order"]:
-    """As :func:`legendre_integrals`, at traced places."""
-    values = legendre_values_at(order + 1, s)
-    below = jnp.concatenate([-jnp.ones_like(values[..., :1]), values[..., :-2]], axis=-1)
+    library: Any = jnp if isinstance(values, jax.Array) else np
+    below = library.concatenate([-library.ones_like(values[..., :1]), values[..., :-2]], axis=-1)
     return (values[..., 1:] - below) / (4.0 * np.arange(order) + 2)
 
 
