@@ -351,7 +351,7 @@ def _weights(near: Any, far: Any, mean: Any, turned: Any) -> Float[Array, "s 3"]
     inside = 0.5 + turned * ((x * reach - near[:, None]) / whole - 0.5)
     share = 12 * x * (1 - x) ** 2 / reach * weights * sizes[:, None] / whole
     back = legendre_values(3, nodes) * (2.0 * np.arange(3) + 1)
-    return jnp.einsum("gk,snk,sn->sg", back(3, inside.reshape(-1)).reshape(*inside.shape, 3), share)
+    return jnp.einsum("gk,snk,sn->sg", back, legendre_values(3, inside.reshape(-1)).reshape(*inside.shape, 3), share)
 
 
 def ends_matrix(leaf: Any, order: int, length: Any, names: Sequence[str]) -> Float[Array, "c c"]:

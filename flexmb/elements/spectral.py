@@ -125,9 +125,8 @@ def strains(order: int, section: Section | None, places: Any, length: Float[Arra
     """
     polynomials = legendre_values(order, places)
     if section is None or not section.varies:
-        return (jnp if isinstance(places, jax.Array) else np).broadcast_to(
-            polynomials[:, None], (len(places), len(names), order)
-        )
+        library: Any = jnp if isinstance(places, jax.Array) else np
+        return library.broadcast_to(polynomials[:, None], (len(places), len(names), order))
     if isinstance(section, Profile):
         return relative(section, places, length, names)[:, :, None] * polynomials[:, None]
     return section.relative(places, length, names)[:, :, None] * polynomials[:, None]
