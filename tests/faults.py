@@ -1062,7 +1062,7 @@ FAULTS = [
         "motion/test_linearized.py -k not_its",
     ),
     Fault(
-        "motion/discrete_forces.py",
+        "motion/energy_keeping.py",
         "last = 2 * (s_1 - s_0) / h - rate",
         "last = (s_1 - s_0) / h",
         "motion/test_fixed_steps.py",

@@ -3,7 +3,6 @@
 No array is of the size of the mechanism squared. :mod:`flexmb.mechanics.sparse_order` assembles and factorises.
 """
 
-import dataclasses
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -21,7 +20,7 @@ from ..model.topology import Topology
 from ..numerical_limits import CHAIN_RESIDUAL, REDUNDANT_COMPLIANCE
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
-from .element_forces import Moving, PreparedBlock, deformed_elements, derivatives_of_elements, strained
+from .element_forces import Moving, PreparedBlock, deformed_elements, element_derivatives, strained
 from .protocol import MotionState, by_time
 
 
@@ -112,24 +111,20 @@ class ChainForm(CoordinatesForm):
         # Multipliers are unknowns: the stiffness of held deformations must not act.
         loose = put(jnp.ones(self.topology.n_e), self.held, 0.0)
         tangents = [
-            tuple(
-                None if matrix is None else matrix * loose[block.e][:, :, None]
-                for matrix, block in zip(matrices, self.elements, strict=True)
-            )
-            for matrices in (self.stiffness, self.damping)
+            [None if matrix is None else matrix * loose[block.e][:, :, None] for matrix in matrices]
+            for block, *matrices in zip(self.elements, self.stiffness, self.damping, strict=True)
         ]
-        derivatives = derivatives_of_elements(self.elements, moving, self.falling, stress, *tangents)
+        _, derivatives = element_derivatives(self.elements, moving, self.falling, stress, lambda *_: tangents)
         sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
         tangent_pieces = []
-        for block, holds, derivative in zip(self.elements, self.order.holds, derivatives, strict=True):
+        for holds, (block, derivative) in zip(self.order.holds, derivatives, strict=True):
             size = sizes[block.x]
             size_products = size[:, :, None] * size[:, None, :]
             by_z, by_w, by_u = (
                 size_products * matrix for matrix in (derivative.mass, derivative.by_v, derivative.by_x)
             )
             if holds:
-                rows: Any = (derivative.e, derivative.ed, derivative.edd)
-                e, ed, edd = (row * size[:, None, :] for row in rows)
+                e, ed, edd = (row * size[:, None, :] for row in derivative[:3])
                 by_z = _bordered(by_z, e, e.mT, self._corner(block, e))
                 by_w, by_u = _bordered(by_w, 2 * ed), _bordered(by_u, edd)
             tangent_pieces.append((by_z, by_w, by_u))
@@ -196,8 +191,7 @@ class ChainForm(CoordinatesForm):
 def chain_form(model: Model, driven: tuple[Driven, ...], order: SparseOrder) -> ChainForm:
     """Return the equations of motion of a chain; `order` is the order of its unknowns."""
     topology, parameters = model.topology, model.parameters
-    # A derivative would carry dense matrices along.
-    form = dataclasses.replace(coordinates_form(topology, parameters, driven), S=jnp.zeros((0, 0)), S_d=None)
+    form = coordinates_form(topology, parameters, driven)
 
     def of_blocks(companion: str) -> tuple[Any, ...]:
         element_matrices = iter(stiffness_pieces(topology, parameters, companion))
@@ -205,7 +199,8 @@ def chain_form(model: Model, driven: tuple[Driven, ...], order: SparseOrder) -> 
         matrices = [next(element_matrices)[2] if companion in block.companions else None for block in topology.blocks]
         return tuple(matrix for matrix, block in zip(matrices, topology.blocks, strict=True) if id(block) in moving)
 
-    fields = {field.name: getattr(form, field.name) for field in dataclasses.fields(form)}
+    # A derivative would carry dense matrices along.
+    fields: dict[str, Any] = {**vars(form), "S": jnp.zeros((0, 0)), "S_d": None}
     return ChainForm(**fields, order=order, stiffness=of_blocks("stiffness"), damping=of_blocks("damping"))
 
 

@@ -1,8 +1,6 @@
 """Equations of motion in all nodal coordinates, with multipliers, and projection onto the constraints."""
 
-import functools
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -14,7 +12,7 @@ from ..math.indices import TRUSTED, accumulate, put
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import zero_strain
 from ..mechanics.extent import coordinate_scales
-from ..mechanics.inertia import mass_matrix, uniform_motion
+from ..mechanics.inertia import uniform_motion
 from ..mechanics.loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
 from ..mechanics.stress_resultants import (
     element_damping,
@@ -28,7 +26,6 @@ from ..model.parameters import Parameters
 from ..model.topology import Topology
 from ..numerical_limits import REDUNDANT_COMPLIANCE
 from ..statics.configuration import configured
-from .discrete_forces import momenta_of_inertia, rates_of_inertia, step_forces
 from .drive import Drive, Driven, drive_at
 from .element_forces import (
     Kinematics,
@@ -39,10 +36,11 @@ from .element_forces import (
     deformations_and_slopes,
     force_derivatives,
     heaviness,
+    own_tangents,
     prepared_blocks,
     strained,
 )
-from .protocol import InertiaRates, MotionState, Tangent, WholeMotion, by_time
+from .protocol import MotionState, Tangent, WholeMotion, by_time
 
 # Newton steps from a configuration one time step away: quadratic convergence leaves round-off.
 CORRECTIONS = 3
@@ -113,7 +111,7 @@ class CoordinatesForm(Record):
         memory = jnp.zeros(0)
         if self.topology.counts_turns:
             guess = zero_strain(self.topology) if near is None else near
-            memory = strained(self.elements, x, guess)
+            memory = self.strained(x, guess)
         moved = (x - self.parameters.reference)[self.free] / self.sizes
         return MotionState(moved, xd[self.free] / self.sizes, memory)
 
@@ -130,16 +128,15 @@ class CoordinatesForm(Record):
 
         def prescribed(t: Float[Array, ""]):
             drive = self.drive(t)
-            x, e = self.parameters.reference, zero_m
+            x, e = self.parameters.reference, jnp.zeros(top.n_e)
             if drive.x is not None:
                 x = accumulate(x, top.x.prescribed, drive.x)
-            fixed = top.e.fixed
-            if drive.e is not None:
-                e = jnp.concatenate([e[: fixed.shape[0]], drive.e])
             if drive.loads.temperature is not None:
-                warm = thermal_deformations(top, self.parameters, drive.loads.temperature)[fixed]
-                e = jnp.concatenate([warm, e[fixed.shape[0] :]])
-            return x, e
+                warm = thermal_deformations(top, self.parameters, drive.loads.temperature)
+                e = put(e, top.e.fixed, warm[top.e.fixed])
+            if drive.e is not None:
+                e = put(e, top.e.prescribed, drive.e)
+            return x, e[self.held]
 
         if not any(drive.quantity in ("x", "e", "increment", "temperature") for drive in self.driven):
             (x, e), (v, ed), (acc, edd) = prescribed(t), (zero_x, zero_m), (zero_x, zero_m)
@@ -160,7 +157,7 @@ class CoordinatesForm(Record):
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
         last_strain = state.memory
         if not last_strain.shape[0]:
-            last_strain = strained(self.elements, at.x, zero_strain(self.topology))
+            last_strain = self.strained(at.x, zero_strain(self.topology))
         return WholeMotion(at.x, at.v, last_strain, jnp.zeros(0))
 
     def placed(
@@ -220,6 +217,14 @@ class CoordinatesForm(Record):
             stiffness, damping = self.tangents(t, e, jacobian @ v)
         return stiffness, jnp.zeros_like(stiffness) if damping is None else damping
 
+    def strained(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
+        """Deformations."""
+        return strained(self.elements, x, near)
+
+    def deformed(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
+        """Deformations and their derivatives by the nodal coordinates."""
+        return deformations_and_slopes(self.elements, x, near)
+
     def near(self, memory: Float[Array, "k"]) -> Float[Array, "n_e"]:
         """Deformations at the last accepted state; zero if no turns are counted."""
         return memory if memory.shape[0] else zero_strain(self.topology)
@@ -251,37 +256,62 @@ class CoordinatesForm(Record):
     def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations minus their wanted values."""
         at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        return strained(self.elements, at.x, self.near(state.memory))[self.held] - at.e
+        return self.strained(at.x, self.near(state.memory))[self.held] - at.e
 
     def scaled(self, matrix: Float[Array, "n_x n_x"]):
         """Rows and columns of the coordinates that move, times their sizes."""
         return matrix[self.free][:, self.free] * self.sizes[:, None] * self.sizes
+
+    def rows_of(self, t: Float[Array, ""], u: Float[Array, "n"], jacobian: Float[Array, "n_e n_x"]):
+        """Derivatives of the held deformations by what moves."""
+        return self.columns(jacobian)
 
     def columns(self, matrix: Float[Array, "n_e n_x"]):
         """Rows of the held deformations, columns of the coordinates that move times their sizes."""
         return matrix[self.held][:, self.free] * self.sizes
 
     def system(self, mass: Float[Array, "n n"], rows: Float[Array, "m n"]):
-        """:func:`constrained_mass` with the mobility of the mechanism."""
-        return constrained_mass(mass, rows, self.mobility)
+        """Mass matrix with constraints, kept regular for redundant ones (THEORY.md 9 (b), eq. (9.2))."""
+        corner = -REDUNDANT_COMPLIANCE * jnp.diag(rows**2 @ self.mobility)
+        return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of :meth:`residual`, element by element (THEORY.md 6)."""
         n = self.size
-        top, parameters = self.topology, self.parameters
         at = self.whole(t, state.u, state.w, z[:n])
         moving = Moving(at.x, at.v, at.a, self.near(state.memory))
         stress = self.stress_of(t, z[n:])
-        following = functools.partial(self.loose_tangents, t)
+
+        def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
+            return own_tangents(self.elements, self.loose_tangents(t, e, ed))
+
         by_x = force_derivatives(self.elements, moving, self.falling, stress, following)
-        drive = self.drive(t)
-        k = by_x.by_x - load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), at.x)
-        if drive.turning is not None:
-            k = k - drive.turning
+        loads = self.by_loads(t, at.x)
+        k = by_x.by_x if loads is None else by_x.by_x - loads
         by_u = jnp.concatenate([self.scaled(k), self.columns(by_x.edd)])
         by_w = jnp.concatenate([self.scaled(by_x.by_v), 2 * self.columns(by_x.ed)])
         by_t = by_time(self, t, state, z) if self.driven else None
         return Tangent(by_u, by_w, self.system(self.scaled(by_x.mass), self.columns(by_x.e)), by_t)
+
+    def by_loads(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
+        """Derivative of :meth:`applied` by the nodal coordinates; None if no load depends on them."""
+        drive, top, parameters = self.drive(t), self.topology, self.parameters
+        if parameters.increment is None and all(block.element.force is None for block in top.blocks):
+            return drive.turning
+        matrix = load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), x)
+        return matrix if drive.turning is None else matrix + drive.turning
+
+    def unaccelerated(
+        self, t: Float[Array, ""], state: MotionState
+    ) -> tuple[Float[Array, "r"], Float[Array, "n n"], Float[Array, "m n"]]:
+        """Residual at zero accelerations and multipliers, mass matrix, derivatives of the held deformations."""
+        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        stress = self.stress_of(t, jnp.zeros(self.held.shape[0]))
+        acting, jacobian, mass = acting_matrices(self.elements, moving, self.falling, stress)
+        force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
+        residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
+        return residual, self.scaled(mass), self.columns(jacobian)
 
     def regular(self, by_z: Float[Array, "r r"]):
         """Whether every motion that the constraints allow carries mass."""
@@ -293,120 +323,44 @@ class CoordinatesForm(Record):
     @jit_beside_options
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
-        n, none = self.size, jnp.zeros(self.held.shape[0])
-        at = self.whole(t, state.u, state.w, jnp.zeros(n))
-        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
-        acting, jacobian, mass = acting_matrices(self.elements, moving, self.falling, self.stress_of(t, none))
-        scaled, rows = self.scaled(mass), self.columns(jacobian)
-        force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
-        residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
-        z, matrix = solved_twice(scaled, rows, self.mobility, residual)
-        return z, self.regular(matrix)
+        n = self.size
+        residual, mass, rows = self.unaccelerated(t, state)
+        matrix = self.system(mass, rows)
+        factors = factorise(matrix)
+        z = factors.solve(-residual)
+        # The second step removes the error that the corner of redundant constraints causes in the others.
+        left_side = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
+        return z - factors.solve(residual + left_side), self.regular(matrix)
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Rates of the deformations if turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
         at = self.whole(t, state.u, state.w, z[: self.size])
-        return deformations_and_slopes(self.elements, at.x, state.memory)[1] @ at.v
+        return self.deformed(at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """State brought back onto D = e and D_x v = e_dot (THEORY.md 9, eq. (9.3)), by a mass or the undeformed one."""
-        u, w = state.u, state.w
-        last_strain = self.near(state.memory)
-        zero = jnp.zeros_like(u)
+        u, w, memory = state
+        n, last_strain, zero = self.size, self.near(memory), jnp.zeros_like(u)
         if self.held.shape[0]:
+            heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
-            def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
-                at = self.whole(t, u, w, zero)
-                e, jacobian = deformations_and_slopes(self.elements, at.x, last_strain)
-                of_both = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
-                return of_both, self.columns(jacobian)
+            def corrected(_: Array, moving: tuple[Array, Array]):
+                at = self.whole(t, *moving, zero)
+                e, jacobian = self.deformed(at.x, last_strain)
+                missed = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
+                right = jnp.concatenate([jnp.zeros((n, 2)), missed])
+                rows = self.rows_of(t, moving[0], jacobian)
+                change = factorise(self.system(heavy, rows)).solve(right)
+                return moving[0] - change[:n, 0], moving[1] - change[:n, 1]
 
-            u, w = onto_constraints(u, w, excess, mass, self.mobility)
-        memory = state.memory
+            # The second step removes the error of the first, which is of second order.
+            u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
         if memory.shape[0]:
-            memory = strained(self.elements, self.whole(t, u, w, zero).x, memory)
+            memory = self.strained(self.whole(t, u, w, zero).x, memory)
         return MotionState(u, w, memory)
-
-    def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
-        """Rates of the inertia vectors s(x), of each block of elements."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        return rates_of_inertia(self.elements, at.x, at.v, self.near(state.memory))
-
-    def forces_over_step(
-        self,
-        times: tuple[Any, Any],
-        states: tuple[MotionState, MotionState],
-        rates: InertiaRates,
-        multipliers: Float[Array, "m"],
-    ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end."""
-        (t0, t1), zero = times, jnp.zeros(self.size)
-        begin, end = (self.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
-        middle, last_strain = (t0 + t1) / 2, self.near(states[0].memory)
-        stress = self.stress_of(middle, multipliers)
-        sizes = put(jnp.ones(self.topology.n_x), self.free, self.sizes)
-        force, after = step_forces(
-            self.elements, (begin, end), t1 - t0, rates, self.falling, last_strain, sizes, stress
-        )
-        force = force - self.applied(middle, (begin + end) / 2)
-        return force[self.free] * self.sizes, after
-
-    def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Allowed velocities closest to given rates of the inertia vectors, in the norm of the kinetic energy."""
-        n, last_strain = self.size, self.near(state.memory)
-        at = self.whole(t, state.u, jnp.zeros(n), jnp.zeros(n))
-        _, jacobian = deformations_and_slopes(self.elements, at.x, last_strain)
-        # The rates include driven coordinates, which are known.
-        driven = rates_of_inertia(self.elements, at.x, at.v, last_strain)
-        undriven = jax.tree.map(lambda rate, known: rate - known, rates, driven)
-        momentum = momenta_of_inertia(self.elements, at.x, last_strain, undriven)[self.free] * self.sizes
-        mass = self.scaled(mass_matrix(self.topology, self.parameters, at.x))
-        right = jnp.concatenate([momentum, at.ed - (jacobian @ at.v)[self.held]])
-        return factorise(self.system(mass, self.columns(jacobian))).solve(right)[:n]
-
-
-def constrained_mass(mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"]):
-    """Mass matrix with constraints, kept regular for redundant ones (THEORY.md 9 (b), eq. (9.2))."""
-    corner = -REDUNDANT_COMPLIANCE * jnp.diag(rows**2 @ mobility)
-    return jnp.block([[mass, rows.T], [rows, corner]]) if rows.shape[0] else mass
-
-
-def solved_twice(
-    mass: Float[Array, "n n"], rows: Float[Array, "m n"], mobility: Float[Array, "n"], residual: Float[Array, "r"]
-) -> tuple[Float[Array, "r"], Float[Array, "r r"]]:
-    """Accelerations and multipliers for a residual at zero ones, and the matrix of :func:`constrained_mass`."""
-    n, matrix = mass.shape[0], constrained_mass(mass, rows, mobility)
-    factors = factorise(matrix)
-    z = factors.solve(-residual)
-    # The second step removes the error that the corner of redundant constraints causes in the others.
-    left_side = jnp.concatenate([mass @ z[:n] + rows.T @ z[n:], rows @ z[:n]])
-    return z - factors.solve(residual + left_side), matrix
-
-
-def onto_constraints(
-    u: Float[Array, "n"],
-    w: Float[Array, "n"],
-    excess: Callable[[Array, Array], tuple[Float[Array, "m 2"], Float[Array, "m n"]]],
-    mass: Float[Array, "n n"] | None,
-    mobility: Float[Array, "n"],
-) -> tuple[Float[Array, "n"], Float[Array, "n"]]:
-    """Positions and velocities that satisfy the constraints, by the least change in the norm of the mass.
-
-    `excess` returns the errors of held deformations and rates, and their derivatives.
-    """
-    n, heavy = len(u), jnp.diag(1 / mobility) if mass is None else mass
-
-    def corrected(_: Array, moving: tuple[Array, Array]):
-        missed, rows = excess(*moving)
-        right = jnp.concatenate([jnp.zeros((n, 2)), missed])
-        change = factorise(constrained_mass(heavy, rows, mobility)).solve(right)
-        return moving[0] - change[:n, 0], moving[1] - change[:n, 1]
-
-    # The second step removes the error of the first, which is of second order.
-    return jax.lax.fori_loop(0, 2, corrected, (u, w))
 
 
 def numbers_among(size: int, chosen: Array) -> Int[Array, "size"]:

@@ -5,7 +5,7 @@ computed once. The nodal forces ``D_x^T sigma + J^T H s_ddot`` are linear in acc
 multipliers. The second rates of held deformations close the equations.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -129,23 +129,22 @@ class Acting(NamedTuple):
 
 
 class Derivatives(NamedTuple):
-    """Derivatives of the forces of elements in motion.
+    """Derivatives of the forces of elements in motion, assembled or of each element by its own coordinates.
 
     Attributes:
-        e: D_x; also of the rates by the velocities and of the second rates by the accelerations.
+        e: D_x; also of the rates by the velocities and of the second rates by the accelerations. None, as the next two,
+            of elements without deformations.
         ed: Of the rates by the coordinates; of the second rates by the velocities it is twice this.
         edd: Of the second rates by the coordinates.
         by_x, by_v, mass: Of the forces by coordinates, velocities and accelerations.
     """
 
-    e: Float[Array, "n_e n_x"]
-    ed: Float[Array, "n_e n_x"]
-    edd: Float[Array, "n_e n_x"]
-    by_x: Float[Array, "n_x n_x"]
-    by_v: Float[Array, "n_x n_x"]
-    mass: Float[Array, "n_x n_x"]
-    kinematics: Kinematics
-    sigma: Float[Array, "n_e"]
+    e: Float[Array, "*elements n_e n_x"]
+    ed: Float[Array, "*elements n_e n_x"]
+    edd: Float[Array, "*elements n_e n_x"]
+    by_x: Float[Array, "*elements n_x n_x"]
+    by_v: Float[Array, "*elements n_x n_x"]
+    mass: Float[Array, "*elements n_x n_x"]
 
 
 def strained(
@@ -259,6 +258,11 @@ def own_of(e: Int[Array, "elements d"], matrix: Float[Array, "n_e n_e"]) -> Floa
     return matrix[e[:, :, None], e[:, None, :]]
 
 
+def own_tangents(elements: tuple[PreparedBlock, ...], matrices: Sequence[Any]) -> list[list[Any]]:
+    """:func:`own_of` of each block's elements, for each matrix that is not None."""
+    return [[None if m is None or not b.e.shape[1] else own_of(b.e, m) for m in matrices] for b in elements]
+
+
 def _along(block: PreparedBlock, at: Moving, free_fall: Float[Array, "n_x"] | None):
     return [None if array is None else array[block.x] for array in (at.x, at.v, at.a, free_fall)]
 
@@ -322,17 +326,6 @@ def _derived_forces(
     return jax.jacfwd(lambda x: _pulled(f, x, sigma, weight))(x)
 
 
-class OfElements(NamedTuple):
-    """:class:`Derivatives` of the elements of a block, each by its own coordinates; None without deformations."""
-
-    e: Float[Array, "elements d k"] | None
-    ed: Float[Array, "elements d k"] | None
-    edd: Float[Array, "elements d k"] | None
-    by_x: Float[Array, "elements k k"]
-    by_v: Float[Array, "elements k k"]
-    mass: Float[Array, "elements k k"]
-
-
 def deformed_elements(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
     """Deformations and Jacobians of each block's elements; None for a block without deformations."""
 
@@ -342,36 +335,13 @@ def deformed_elements(elements: tuple[PreparedBlock, ...], x: Float[Array, "n_x"
     return [block.over(derived, near, x[block.x]) if block.e.shape[1] else None for block in elements]
 
 
-def derivatives_of_elements(
-    elements: tuple[PreparedBlock, ...],
-    at: Moving,
-    falling: Float[Array, "n_x"] | None,
-    stress: Callable[..., Any],
-    stiffness: tuple[Float[Array, "elements d d"] | None, ...],
-    damping: tuple[Float[Array, "elements d d"] | None, ...],
-) -> list[OfElements]:
-    """:func:`force_derivatives` element by element, from the stiffness and damping of each element."""
-    rates, _, sigma = _derived(elements, at, falling, stress)
-    blocks = zip(rates, stiffness, damping, strict=True)
-    return [_block_derivatives(at, sigma, of_block, *tangents) for of_block, *tangents in blocks]
-
-
-def _derived(
-    elements: tuple[PreparedBlock, ...], at: Moving, free_fall: Float[Array, "n_x"] | None, stress: Callable[..., Any]
-) -> tuple[list[Any], Kinematics, Float[Array, "n_e"]]:
-    """Result of :func:`derived_rates` for each block, kinematics, and stress resultants."""
-    rates = [(block, *block.over(derived_rates, at.near, *_along(block, at, free_fall))) for block in elements]
-    kinematics = _kinematics([of_block[:2] for of_block in rates], at.near)
-    return rates, kinematics, stress(kinematics.e, kinematics.ed)
-
-
 def _block_derivatives(
     at: Moving,
     sigma: Float[Array, "n_e"],
     rates: tuple[Any, ...],
     stiffness: Float[Array, "elements d d"] | None,
     damping: Float[Array, "elements d d"] | None,
-) -> OfElements:
+) -> Derivatives:
     """Derivatives of one block from :func:`derived_rates`, stress resultants, and tangents."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = rates
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
@@ -384,7 +354,7 @@ def _block_derivatives(
     if block.mass is not None:
         more_x, more_v, mass = by_inertia(block.mass, j, jd, j2)
         by_x, by_v = by_x + more_x, by_v + more_v
-    return OfElements(d, dd, d2, by_x, by_v, mass)
+    return Derivatives(d, dd, d2, by_x, by_v, mass)
 
 
 def by_inertia(
@@ -407,17 +377,12 @@ def force_derivatives(
     stress: Callable[..., Any],
     tangents: Callable[..., Any] | None = None,
 ) -> Derivatives:
-    """Derivatives of :func:`acting_forces`.
-
-    `tangents` returns the derivatives of sigma by e and e_dot, without entries between elements; the second may be
-    None. Without `tangents`, sigma is constant.
-    """
+    """Derivatives of :func:`acting_forces`; arguments as for :func:`element_derivatives`."""
     n_e, n_x = at.near.shape[0], at.x.shape[0]
-    acting, derived = element_derivatives(elements, at, falling, stress, tangents)
-    rows = [(block.e, block.x, rows) for block, rows, _ in derived if rows is not None]
-    by_e = scatter_matrices((n_e, n_x), rows, 3)
-    forces = scatter_matrices((n_x, n_x), [(block.x, block.x, squares) for block, _, squares in derived], 3)
-    return Derivatives(by_e[0], by_e[1], by_e[2], forces[0], forces[1], forces[2], acting.kinematics, acting.sigma)
+    _, derived = element_derivatives(elements, at, falling, stress, tangents)
+    rows = [(block.e, block.x, of_block[:3]) for block, of_block in derived if of_block.e is not None]
+    squares = [(block.x, block.x, of_block[3:]) for block, of_block in derived]
+    return Derivatives(*scatter_matrices((n_e, n_x), rows, 3), *scatter_matrices((n_x, n_x), squares, 3))
 
 
 def element_derivatives(
@@ -426,21 +391,19 @@ def element_derivatives(
     falling: Float[Array, "n_x"] | None,
     stress: Callable[..., Any],
     tangents: Callable[..., Any] | None,
-):
-    """:func:`force_derivatives` of each element by itself.
+) -> tuple[Acting, list[tuple[PreparedBlock, Derivatives]]]:
+    """Acting forces, and each block with the derivatives of its elements.
 
-    Returns:
-        Acting forces. For each block: the block, derivatives of deformations, rates and second rates (or None), and
-        derivatives of the forces by coordinates, velocities and accelerations.
+    `tangents` returns, for each block, the derivatives of sigma by e and e_dot of its elements, or None. Without
+    `tangents`, sigma is constant.
     """
-    rates, kinematics, sigma = _derived(elements, at, falling, stress)
-    stiffness, damping = (None, None) if tangents is None else tangents(kinematics.e, kinematics.ed)
+    rates = [(block, *block.over(derived_rates, at.near, *_along(block, at, falling))) for block in elements]
+    kinematics = _kinematics([of_block[:2] for of_block in rates], at.near)
+    sigma = stress(kinematics.e, kinematics.ed)
+    pairs = [(None, None)] * len(rates) if tangents is None else tangents(kinematics.e, kinematics.ed)
     derived, forces = [], []
-    for of_block in rates:
+    for of_block, pair in zip(rates, pairs, strict=True):
         block, (_, _, (_, sdd)), (jacobians, *_) = of_block
         forces += _pulled_by(block, sigma, sdd, *jacobians)
-        matrices = [None if m is None or not block.e.shape[1] else own_of(block.e, m) for m in (stiffness, damping)]
-        at_block = _block_derivatives(at, sigma, of_block, *matrices)
-        rows = None if at_block.e is None else (at_block.e, at_block.ed, at_block.edd)
-        derived.append((block, rows, (at_block.by_x, at_block.by_v, at_block.mass)))
+        derived.append((block, _block_derivatives(at, sigma, of_block, *pair)))
     return Acting(kinematics, sigma, scatter_vector(at.x.shape[0], forces)), derived

@@ -8,9 +8,8 @@ from jaxtyping import Array, Float
 
 from ..arguments import check_number
 from ..compilation.compile import jit_beside_options
-from .newton import solve_step
 from .protocol import MotionState, Tangent
-from .solver import MotionTerm, SecondOrderSolver, equations_of
+from .solver import MotionTerm, SecondOrderSolver, equations_of, solve_step
 
 
 class GeneralizedAlpha(SecondOrderSolver):

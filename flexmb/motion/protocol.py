@@ -9,9 +9,6 @@ from jaxtyping import Array, Bool, Float
 
 from ..math.linear import factorise
 
-# Rates of the inertia vectors s(x) of each block of elements; None for a block without mass.
-InertiaRates = tuple[Float[Array, "elements k d"] | None, ...]
-
 
 class MotionState(NamedTuple):
     """State that diffrax integrates.
@@ -77,80 +74,43 @@ class Equations(Protocol):
     @property
     def size(self) -> int:
         """Number n of positions and of velocities; states of a controller count as velocities."""
-        ...
 
     @property
     def states(self) -> int:
         """Number of states of a controller, the last velocities."""
-        ...
 
     @property
     def unknowns(self) -> int:
         """Number n + m of accelerations and multipliers."""
-        ...
 
     def state_of(
         self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
     ) -> MotionState:
         """State of nodal coordinates, with the controller at its start; turns count from `near`, None for zero."""
-        ...
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Motion of all coordinates in a state."""
-        ...
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
         """R: forces out of balance along the free coordinates, and second rates of the constraints."""
-        ...
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
         """Derivatives of R: a :class:`Tangent`, or element matrices with the same methods."""
-        ...
 
     def regular(self, by_z: Float[Array, "r r"]) -> Bool[Array, ""]:
         """Return whether every motion that the constraints allow has mass, from the derivative of R by z."""
-        ...
 
     def acceleration(self, t: Float[Array, ""], state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
         """Return the z with R = 0, and whether every motion that the constraints allow has mass."""
-        ...
 
     def gap(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "m"]:
         """Errors of the constraints with multipliers [m, rad]."""
-        ...
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
         """Rate of the memory."""
-        ...
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Return the state projected onto the constraints in a mass norm, with updated memory."""
-        ...
-
-
-class EnergyEquations(Equations, Protocol):
-    """Equations with mean forces over a finite step. The work of these forces equals the change of energy."""
-
-    def inertia_rates(self, t: Float[Array, ""], state: MotionState) -> InertiaRates:
-        """Rates of the inertia vectors s(x), of each block of elements."""
-        ...
-
-    def forces_over_step(
-        self,
-        times: tuple[Any, Any],
-        states: tuple[MotionState, MotionState],
-        rates: InertiaRates,
-        multipliers: Float[Array, "m"],
-    ) -> tuple[Float[Array, "n"], InertiaRates]:
-        """Return mean forces out of balance over a step, and the rates of the inertia vectors s(x) at its end.
-
-        `rates` are the rates at the begin, `multipliers` are means over the step. Velocities of the states are unused.
-        """
-        ...
-
-    def velocities_of(self, t: Float[Array, ""], state: MotionState, rates: InertiaRates) -> Float[Array, "n"]:
-        """Return the velocities within the constraints closest to given rates of the inertia vectors s(x)."""
-        ...
 
 
 def by_time(equations: Equations, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:

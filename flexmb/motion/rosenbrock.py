@@ -1,68 +1,23 @@
-"""Rosenbrock methods for second-order equations with constraints, as diffrax solvers."""
+"""A Rosenbrock method for second-order equations with constraints, as a diffrax solver."""
 
-from typing import Any, ClassVar
+from typing import Any
 
 import diffrax
-import equinox as eqx
 import jax
 
 from ..compilation.compile import jit_beside_options
 from .balance import balanced_error
 from .protocol import MotionState
 from .solver import MotionSolver, MotionTerm, equations_of
-from .stages import RODAS5P, Tableau, rosenbrock_step
+from .stages import rosenbrock_step
 
 
-class Rosenbrock(MotionSolver, diffrax.AbstractAdaptiveSolver):
-    """Rosenbrock methods: one factorisation per step, one solve per stage; see :func:`rosenbrock_step`.
-
-    Accelerations and multipliers are carried from step to step, and computed anew after a jump. After each step the
-    state is brought back onto the constraints.
-
-    Attributes:
-        tableau: Coefficients.
-        jumps: Whether loads may jump; accelerations are then computed anew.
-        balanced: Whether the error of a step includes its energy balance, for :class:`DisplacementController`.
-    """
-
-    tableau: eqx.AbstractClassVar[Tableau]
-    jumps: eqx.AbstractVar[bool]
-    balanced: eqx.AbstractVar[bool]
-
-    def order(self, terms: Any) -> int:
-        """Order of the method."""
-        return self.tableau.order
-
-    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Accelerations and multipliers at the start."""
-        return equations_of(terms).acceleration(t0, y0)[0]
-
-    @jit_beside_options
-    def step(
-        self,
-        terms: MotionTerm,
-        t0: Any,
-        t1: Any,
-        y0: MotionState,
-        args: Any,
-        solver_state: Any,
-        made_jump: Any,
-    ):
-        """One step, from the accelerations and multipliers at its begin, which are the solver's state."""
-        equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
-        if self.jumps:
-            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
-        outcome = rosenbrock_step(equations, self.tableau, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
-        y1 = equations.settle(t1, outcome.end, outcome.mass)
-        error: Any = outcome.error
-        if self.balanced:
-            error = balanced_error(equations, (t0, t1), (y0, y1), z0, outcome)
-        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=outcome.z[:n])
-        return y1, error, dense, outcome.z, diffrax.RESULTS.successful
-
-
-class Rodas5P(Rosenbrock):
+class Rodas5P(MotionSolver, diffrax.AbstractAdaptiveSolver):
     """Stiffly accurate Rosenbrock method of order five with eight stages.
+
+    One factorisation per step, one solve per stage; see :func:`rosenbrock_step`. Accelerations and multipliers are
+    carried from step to step, and computed anew after a jump. After each step the state is brought back onto the
+    constraints.
 
     Attributes:
         jumps: Whether loads may jump; each step then computes its first accelerations anew.
@@ -72,6 +27,27 @@ class Rodas5P(Rosenbrock):
         Steinebach (2023), BIT Numerical Mathematics 63, 27.
     """
 
-    tableau: ClassVar[Tableau] = RODAS5P  # pyright: ignore[reportIncompatibleVariableOverride]
     jumps: bool = False
     balanced: bool = False
+
+    def order(self, terms: Any) -> int:
+        """Order of the method."""
+        return 5
+
+    def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
+        """Accelerations and multipliers at the start."""
+        return equations_of(terms).acceleration(t0, y0)[0]
+
+    @jit_beside_options
+    def step(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any, solver_state: Any, made_jump: Any):
+        """One step, from the accelerations and multipliers at its begin, which are the solver's state."""
+        equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
+        if self.jumps:
+            z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
+        outcome = rosenbrock_step(equations, t0, t1 - t0, y0, z0, end=t1 if self.jumps else None)
+        y1 = equations.settle(t1, outcome.end, outcome.mass)
+        error: Any = outcome.error
+        if self.balanced:
+            error = balanced_error(equations, (t0, t1), (y0, y1), z0, outcome)
+        dense = dict(y0=y0, y1=y1, a0=z0[:n], a1=outcome.z[:n])
+        return y1, error, dense, outcome.z, diffrax.RESULTS.successful

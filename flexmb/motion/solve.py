@@ -19,7 +19,7 @@ from .integrator import Integrator
 from .kinks import kinks_of
 from .projected import Projected
 from .protocol import Equations, MotionState
-from .rosenbrock import Rodas5P, Rosenbrock
+from .rosenbrock import Rodas5P
 from .solver import MotionTerm
 from .step_control import DisplacementController
 from .steps_again import Span
@@ -88,7 +88,7 @@ def solve(
         adjoint=adjoint,
         event=integrator.event,
         max_steps=integrator.max_steps,
-        solver_state=z0 if isinstance(solver, Rosenbrock) else None,
+        solver_state=z0 if isinstance(solver, Rodas5P) else None,
         throw=False,
     )
     saved: Any = solution.ys

@@ -1,4 +1,4 @@
-"""Rosenbrock methods for second-order equations with constraints: coefficients, and one step.
+"""A Rosenbrock method for second-order equations with constraints: coefficients, and one step.
 
 The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Elimination of the first two from each stage leaves one
 linear system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
@@ -25,7 +25,6 @@ class Tableau(NamedTuple):
         m: Weights of the stages in the result.
         error: Weights of the stages in the error estimate.
         within: Weights of the stages in the polynomial within a step, a row for each power.
-        order: Order of the method.
     """
 
     gamma: float
@@ -34,22 +33,12 @@ class Tableau(NamedTuple):
     m: np.ndarray
     error: np.ndarray
     within: np.ndarray
-    order: int
 
     @property
-    def alpha(self) -> np.ndarray:
-        """Times of the stages, in steps."""
-        return self._in_standard_form[0].sum(axis=1)
-
-    @property
-    def gammas(self) -> np.ndarray:
-        """Weights of the derivative by time, in steps."""
-        return self._in_standard_form[1].sum(axis=1)
-
-    @property
-    def _in_standard_form(self):
+    def rows(self) -> np.ndarray:
+        """A row for each stage: weights in arguments and in right-hand sides, its time, weight of the rate by time."""
         gamma = np.linalg.inv(np.eye(len(self.m)) / self.gamma - self.c)
-        return self.a @ gamma, gamma
+        return np.column_stack([self.a, self.c, (self.a @ gamma).sum(axis=1), gamma.sum(axis=1)])
 
 
 def _lower(rows: Sequence[Sequence[float]]) -> np.ndarray:
@@ -135,13 +124,7 @@ RODAS5P = Tableau(
             ],
         ]
     ),
-    order=5,
 )
-
-
-def _coefficients(tableau: Tableau) -> np.ndarray:
-    """A row for each stage: weights in arguments and in right-hand sides, its time, weight of the rate by time."""
-    return np.column_stack([tableau.a, tableau.c, tableau.alpha, tableau.gammas])
 
 
 class StepResult(NamedTuple):
@@ -164,24 +147,23 @@ class StepResult(NamedTuple):
 
 def rosenbrock_step(
     equations: Equations,
-    tableau: Tableau,
     t: Float[Array, ""],
     h: Float[Array, ""],
     state: MotionState,
     z: Float[Array, "r"],
     end: Any = None,
 ) -> StepResult:
-    """One step of a Rosenbrock method, from `t` of length `h`.
+    """One step of the method ``RODAS5P``, from `t` of length `h`.
 
     `end` limits the times of stages, so that round-off does not pass a jump of the loads.
 
     Source:
         Hairer, Wanner (1996), Solving Ordinary Differential Equations II, section VI.4; elimination derived here.
     """
-    n, stages = state.u.shape[0], len(tableau.m)
-    rows, weights = _coefficients(tableau), np.vstack([tableau.m, tableau.error, tableau.within])
+    n, stages = state.u.shape[0], len(RODAS5P.m)
+    weights = np.vstack([RODAS5P.m, RODAS5P.error, RODAS5P.within])
     tangent = equations.tangent(t, state, z)
-    hg = h * tableau.gamma
+    hg = h * RODAS5P.gamma
     # Motions of a batch that have ended take steps of zero length; these still need finite derivatives.
     rate = 1.0 / jnp.where(h == 0, 1.0, h)
     solve = tangent.solver(hg)
@@ -206,7 +188,7 @@ def rosenbrock_step(
         k_u = hg * (k_w + right_u)
         return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([k_u, k_w, k_z]), i, 0)
 
-    rows, nothing = jnp.asarray(rows), jnp.zeros((len(tableau.m), 2 * n + z.shape[0]))
+    rows, nothing = jnp.asarray(RODAS5P.rows), jnp.zeros((stages, 2 * n + z.shape[0]))
     sums = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
     (du, dw, dz), (error_u, error_w, _) = map(split_row, sums[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))

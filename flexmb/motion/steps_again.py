@@ -15,7 +15,7 @@ from jaxtyping import Array, Float, Int
 
 from ..math.derivative import Varied
 from .protocol import MotionState
-from .stages import RODAS5P, rosenbrock_step, state_within_step
+from .stages import rosenbrock_step, state_within_step
 
 # Steps whose states are stored at once, some ten megabytes. For many coordinates fewer steps, with this number of
 # numbers together, but at least the last number of steps.
@@ -73,7 +73,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
 
     def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
         equations = parts[0].whole(numbers)
-        outcome = rosenbrock_step(equations, RODAS5P, t0, t1 - t0, state, z)
+        outcome = rosenbrock_step(equations, t0, t1 - t0, state, z)
         return equations.settle(t1, outcome.end, outcome.mass), outcome.z
 
     z = jnp.zeros(parts[0].whole(numbers).unknowns)

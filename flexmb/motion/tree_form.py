@@ -9,20 +9,10 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float, Int
 
-from ..compilation.compile import jit_beside_options
-from ..compilation.record import Record
 from ..math.indices import TRUSTED, accumulate, put
 from ..mechanics.deformation import zero_strain
-from ..mechanics.loads import LoadFactors, load_stiffness
 from ..mechanics.tree import Tree, block_part, linked, tree_forces
-from .coordinates_form import (
-    AllCoordinates,
-    CoordinatesForm,
-    constrained_mass,
-    numbers_among,
-    onto_constraints,
-    solved_twice,
-)
+from .coordinates_form import AllCoordinates, CoordinatesForm, numbers_among
 from .element_forces import (
     Kinematics,
     Moving,
@@ -31,9 +21,9 @@ from .element_forces import (
     deformations_and_slopes,
     element_derivatives,
     mass_of,
+    own_tangents,
     prepared_block,
     second_rate,
-    strained,
 )
 from .protocol import MotionState, Tangent, WholeMotion, by_time
 from .tree_beams import Bent, TreeBeams, tree_beams
@@ -62,50 +52,26 @@ class _Carried(NamedTuple):
     slopes: list[tuple[Bent, Bent, Bent]]
 
 
-class TreeForm(Record):
+class TreeForm(CoordinatesForm):
     """Equations of motion X_u^T R(X(u), ..) with X(u) the coordinates that a tree of beams places.
 
     Constraints that X satisfies have no multipliers: closures of the beams, and unit norms of computed rotations.
-    Others have multipliers, as in all coordinates.
+    Others have multipliers, as in all coordinates. Only coordinates that are not computed move; ``elements`` and what
+    follows from them are without ``beams``.
 
     Attributes:
-        form: Equations in all coordinates, but only coordinates that are not computed move, and without ``beams``.
         tree: Computed coordinates.
         beams: Beams that compute them.
         strain_of: Coordinate that each deformation equals, or their number.
         slots: Of each block of beams, the place of each moving coordinate among its coefficients, or their number.
-        mobility: Inverse masses of what moves.
     """
 
-    form: CoordinatesForm
     tree: Tree
     beams: tuple[TreeBeams, ...]
     strain_of: Int[Array, "n_e"]
     slots: tuple[Int[Array, "n"], ...]
-    mobility: Float[Array, "n"]
 
-    @property
-    def states(self) -> int:
-        """Number of states of a controller."""
-        return 0
-
-    @property
-    def size(self) -> int:
-        """Number of coordinates that move and are not computed."""
-        return self.form.size
-
-    @property
-    def unknowns(self) -> int:
-        """Number of accelerations and multipliers."""
-        return self.size + self.tree.held_places.shape[0]
-
-    def state_of(
-        self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
-    ) -> MotionState:
-        """State of nodal coordinates; computed ones are not read."""
-        return self.form.state_of(x, xd, near)
-
-    def placed(self, x: Float[Array, "n_x"]):
+    def with_ends(self, x: Float[Array, "n_x"]):
         """Nodal coordinates, with computed ones that something depends on."""
         if self.tree.felt is None:
             return x
@@ -115,22 +81,22 @@ class TreeForm(Record):
         self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
     ) -> AllCoordinates:
         """:meth:`CoordinatesForm.whole`, with computed coordinates that something depends on."""
-        at = self.form.whole(t, u, w, a)
-        return self._with_ends(at, [beams.rates(at) for beams in self.beams if beams.parts])
+        at = super().whole(t, u, w, a)
+        return self._moved_ends(at, [beams.rates(at) for beams in self.beams if beams.parts])
 
     def along(self, t: Float[Array, ""], u: Float[Array, "n"]) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves."""
         if self.tree.felt is None:
             return self.selection
         none = jnp.zeros(self.size)
-        return jax.jacfwd(lambda u: self.placed(self.form.whole(t, u, none, none).x))(u)
+        return jax.jacfwd(lambda u: self.with_ends(super(TreeForm, self).whole(t, u, none, none).x))(u)
 
     @property
     def selection(self) -> Float[Array, "n_x n"]:
         """Derivative of the coordinates by what moves, if nothing is computed."""
-        return jnp.where(self.form.place[:, None] == np.arange(1, self.size + 1), self.form.sizes, 0.0)
+        return jnp.where(self.place[:, None] == np.arange(1, self.size + 1), self.sizes, 0.0)
 
-    def _with_ends(self, at: AllCoordinates, bent: list[tuple[Bent, Bent, Bent]]) -> AllCoordinates:
+    def _moved_ends(self, at: AllCoordinates, bent: list[tuple[Bent, Bent, Bent]]) -> AllCoordinates:
         """Coordinates and their rates, with computed ones that something depends on."""
         if self.tree.felt is None:
             return at
@@ -150,7 +116,7 @@ class TreeForm(Record):
         Way and turn of each beam are differentiated by its own coefficients, then the tree by all ways.
         """
         selected = self.selection
-        at = self.form.whole(t, u, w, a)
+        at = super().whole(t, u, w, a)
         pairs = [beams.derived(at) for beams in self.beams]
         bent, derived = [rates for rates, _ in pairs], [by_c for _, by_c in pairs]
         if self.tree.felt is None:
@@ -185,7 +151,7 @@ class TreeForm(Record):
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
-        at = self.form.whole(t, state.u, state.w, jnp.zeros(self.size))
+        at = super().whole(t, state.u, state.w, jnp.zeros(self.size))
 
         def everywhere(x: Float[Array, "n_x"]):
             return linked(self.tree.poses, jnp.concatenate([beams.ways(x) for beams in self.beams if beams.gives]), x)
@@ -193,16 +159,8 @@ class TreeForm(Record):
         x, v = jax.jvp(everywhere, (at.x,), (at.v,))
         last_strain = state.memory
         if not last_strain.shape[0]:
-            last_strain = self.strained(x, zero_strain(self.form.topology))
+            last_strain = self.strained(x, zero_strain(self.topology))
         return WholeMotion(x, v, last_strain, jnp.zeros(0))
-
-    def held(self, rows: Float[Array, "n_e *k"]):
-        """Rows of the held deformations with multipliers."""
-        return rows[self.form.held[self.tree.held_places]]
-
-    def wanted(self, values: Float[Array, "h"]):
-        """Wanted values of the deformations with multipliers, from the values of all held deformations."""
-        return values[self.tree.held_places]
 
     def _strains(self, at: AllCoordinates) -> Kinematics:
         """Deformations of the beams, which are their coefficients, and rates; zero for others."""
@@ -211,25 +169,25 @@ class TreeForm(Record):
 
     def strained(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]) -> Float[Array, "n_e"]:
         """Deformations except closures."""
-        return strained(self.form.elements, x, near) + jnp.append(x, 0.0).at[self.strain_of].get(**TRUSTED)
+        return super().strained(x, near) + jnp.append(x, 0.0).at[self.strain_of].get(**TRUSTED)
 
     def deformed(self, x: Float[Array, "n_x"], near: Float[Array, "n_e"]):
         """:meth:`strained`, and the derivatives by the nodal coordinates."""
-        jacobian = deformations_and_slopes(self.form.elements, x, near)[1]
+        jacobian = deformations_and_slopes(self.elements, x, near)[1]
         return self.strained(x, near), jacobian + (self.strain_of[:, None] == np.arange(x.shape[0])).astype(float)
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
         """Forces out of balance along what moves and second rates of held deformations (THEORY.md 9 (d), eq. (9.8))."""
-        n, form = self.size, self.form
-        at = form.whole(t, state.u, state.w, z[:n])
+        n = self.size
+        at = super().whole(t, state.u, state.w, z[:n])
         bent = [beams.rates(at) for beams in self.beams]
-        at = self._with_ends(at, bent)
-        strain, stress = self._strains(at), form.stress_of(t, z[n:])
-        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
-        acting = acting_forces(form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)))
+        at = self._moved_ends(at, bent)
+        strain, stress = self._strains(at), self.stress_of(t, z[n:])
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        acting = acting_forces(self.elements, moving, self.falling, lambda *e: stress(*map(jnp.add, strain, e)))
         on_beams = []
         for beams, functions in zip(self.beams, bent, strict=True):
-            weights = None if beams.mass is None else beams.weights(beams.moved(at, form.falling, functions))
+            weights = None if beams.mass is None else beams.weights(beams.moved(at, self.falling, functions))
             on_beams.append(beams.pulled(at.x, functions[0], weights))
         on_ends = [(beams.ends, force) for beams, (force, _) in zip(self.beams, on_beams, strict=True)]
         force = acting.force + self._besides(t, at, on_ends)
@@ -237,21 +195,21 @@ class TreeForm(Record):
         if self.tree.felt is not None:
             on_ways, force = tree_forces(self.tree.felt, _ways(bent)[0], at.x, force)
             ways = self._apart(on_ways)
-        force = force[form.free]
+        force = force[self.free]
         for beams, way, (_, shape), slots in zip(self.beams, ways, on_beams, self.slots, strict=True):
             along = beams.pulled_along(at.x, Bent(way, shape))
             if beams.e.shape[1]:
                 along = along + acting.sigma[beams.e]
             force = force + jnp.append(along, 0.0).at[slots].get(**TRUSTED)
         edd = acting.kinematics.edd + strain.edd
-        return jnp.concatenate([force * form.sizes, self.held(edd) - self.wanted(at.edd)])
+        return jnp.concatenate([force * self.sizes, edd[self.held] - at.edd])
 
     def _besides(self, t: Float[Array, ""], at: AllCoordinates, on_ends: list[tuple[Array, Array]]):
         """Nodal forces of beams on their first ends, minus applied forces."""
-        places = np.arange(self.form.topology.n_x)[:, None]
+        places = np.arange(self.topology.n_x)[:, None]
         # Products, since the compiler makes a loop of a scatter.
         forces = [(places == ends.reshape(-1)).astype(float) @ force.reshape(-1) for ends, force in on_ends]
-        return sum(forces, -self.form.applied(t, at.x))
+        return sum(forces, -self.applied(t, at.x))
 
     def _apart(self, rows: Float[Array, "beams k"]) -> list[tuple[Array, ...]]:
         """Rows of ways and turns of each block's beams, as in :class:`Bent`."""
@@ -264,34 +222,33 @@ class TreeForm(Record):
             first += count
         return blocks
 
-    def gap(self, t: Float[Array, ""], state: MotionState):
-        """Held deformations with multipliers, minus their wanted values."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        return self.held(self.strained(at.x, self.form.near(state.memory))) - self.wanted(at.e)
-
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of the residual (THEORY.md 9 (d), eq. (9.9))."""
-        n, form = self.size, self.form
+        n = self.size
         to = self.carried(t, state.u, state.w, z[:n])
         at = to.at
-        moving = Moving(at.x, at.v, at.a, form.near(state.memory))
-        strain, stress = self._strains(at), form.stress_of(t, z[n:])
+        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        strain, stress = self._strains(at), self.stress_of(t, z[n:])
 
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
-            return form.loose_tangents(t, strain.e + e, strain.ed + ed)
+            return self.loose_tangents(t, strain.e + e, strain.ed + ed)
 
         acting, block_derivatives = element_derivatives(
-            form.elements, moving, form.falling, lambda *e: stress(*map(jnp.add, strain, e)), following
+            self.elements,
+            moving,
+            self.falling,
+            lambda *e: stress(*map(jnp.add, strain, e)),
+            lambda *e: own_tangents(self.elements, following(*e)),
         )
         moved = [
-            None if beams.mass is None else beams.moved_and_derived(at, form.falling, *functions)
+            None if beams.mass is None else beams.moved_and_derived(at, self.falling, *functions)
             for beams, *functions in zip(self.beams, to.bent, to.slopes, strict=True)
         ]
         weights = [
             None if places is None else b.weights(places[0]) for b, places in zip(self.beams, moved, strict=True)
         ]
         ways: list[tuple[Array, ...]] = [()] * len(self.beams)
-        every = sum((_along(to, block.x, squares) for block, _, squares in block_derivatives), jnp.zeros((n, 3 * n)))
+        every = sum((_along(to, block.x, derived[3:]) for block, derived in block_derivatives), jnp.zeros((n, 3 * n)))
         if self.tree.felt is not None:
             on_ends = [
                 (beams.ends, jnp.einsum("bka,bkax->bx", weight, derived[1].s[..., : beams.ends.shape[1]]))
@@ -310,70 +267,33 @@ class TreeForm(Record):
         if loads is not None:
             by_u = by_u - to.x.T @ loads @ to.x
         rows = jnp.zeros((0, n))
-        if self.tree.held_places.shape[0]:
+        if self.held.shape[0]:
             by_e = [
-                (block.e, _rows_along(to, block.x, rows)) for block, rows, _ in block_derivatives if rows is not None
+                (block.e, _rows_along(to, block.x, derived[:3]))
+                for block, derived in block_derivatives
+                if derived.e is not None
             ]
             by_e += [(beams.e, _coefficients_along(to, beams.c)) for beams in self.beams if beams.e.shape[1]]
-            every = jnp.zeros((form.topology.n_e, 3 * n))
+            every = jnp.zeros((self.topology.n_e, 3 * n))
             for e, block_rows in by_e:
                 every = accumulate(every, e, block_rows)
-            edd_by_u, edd_by_w, rows = jnp.split(self.held(every), 3, axis=1)
+            edd_by_u, edd_by_w, rows = jnp.split(every[self.held], 3, axis=1)
             by_u, by_w = jnp.concatenate([by_u, edd_by_u]), jnp.concatenate([by_w, edd_by_w])
-        by_t = by_time(self, t, state, z) if form.driven else None
-        return Tangent(by_u, by_w, constrained_mass(mass, rows, self.mobility), by_t)
+        by_t = by_time(self, t, state, z) if self.driven else None
+        return Tangent(by_u, by_w, self.system(mass, rows), by_t)
 
-    def by_loads(self, t: Float[Array, ""], x: Float[Array, "n_x"]):
-        """Derivative of the nodal forces of loads by the nodal coordinates, or None."""
-        form, drive = self.form, self.form.drive(t)
-        top, parameters = form.topology, form.parameters
-        if parameters.increment is None and all(block.element.force is None for block in top.blocks):
-            return drive.turning
-        matrix = load_stiffness(top, parameters, LoadFactors(1.0, drive.increment), x)
-        return matrix if drive.turning is None else matrix + drive.turning
-
-    def regular(self, by_z: Float[Array, "r r"]):
-        """Whether every motion that the constraints allow carries mass."""
-        return self.form.regular(by_z)
-
-    @jit_beside_options
-    def acceleration(self, t: Float[Array, ""], state: MotionState):
-        """Accelerations, multipliers, and whether every motion carries mass (THEORY.md 9 (b), eq. (9.2))."""
-        n, form = self.size, self.form
-        at, along = self.whole(t, state.u, state.w, jnp.zeros(n)), self.along(t, state.u)
-        last_strain = form.near(state.memory)
+    def unaccelerated(self, t: Float[Array, ""], state: MotionState):
+        """Residual at zero accelerations and multipliers, mass matrix, derivatives of the held deformations."""
+        x, along = self.whole(t, state.u, state.w, jnp.zeros(self.size)).x, self.along(t, state.u)
+        last_strain = self.near(state.memory)
         residual = self.residual(t, state, jnp.zeros(self.unknowns))
-        mass = mass_of(form.elements, at.x, last_strain)
-        mass = along.T @ mass @ along + sum(b.mass_along(at.x, along) for b in self.beams if b.mass is not None)
-        rows = self.held(self.deformed(at.x, last_strain)[1]) @ along
-        z, matrix = solved_twice(mass, rows, self.mobility, residual)
-        return z, self.regular(matrix)
+        mass = along.T @ mass_of(self.elements, x, last_strain) @ along
+        mass = mass + sum(b.mass_along(x, along) for b in self.beams if b.mass is not None)
+        return residual, mass, self.deformed(x, last_strain)[1][self.held] @ along
 
-    def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]):
-        """Rates of the deformations if turns are counted."""
-        if not state.memory.shape[0]:
-            return state.memory
-        at = self.whole(t, state.u, state.w, z[: self.size])
-        return self.deformed(at.x, state.memory)[1] @ at.v
-
-    @jit_beside_options
-    def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
-        """State brought back onto the constraints with multipliers (THEORY.md 9, eq. (9.3))."""
-        u, w = state.u, state.w
-        last_strain, zero = self.form.near(state.memory), jnp.zeros_like(state.u)
-        if self.tree.held_places.shape[0]:
-
-            def excess(u: Float[Array, "n"], w: Float[Array, "n"]):
-                at = self.whole(t, u, w, zero)
-                e, jacobian = self.deformed(at.x, last_strain)
-                of_both = [self.held(e) - self.wanted(at.e), self.held(jacobian @ at.v) - self.wanted(at.ed)]
-                return jnp.stack(of_both, axis=1), self.held(jacobian) @ self.along(t, u)
-
-            u, w = onto_constraints(u, w, excess, mass, self.mobility)
-        memory = state.memory
-        if memory.shape[0]:
-            memory = self.strained(self.whole(t, u, w, zero).x, memory)
-        return MotionState(u, w, memory)
+    def rows_of(self, t: Float[Array, ""], u: Float[Array, "n"], jacobian: Float[Array, "n_e n_x"]):
+        """Derivatives of the held deformations by what moves."""
+        return jacobian[self.held] @ self.along(t, u)
 
 
 def _joined(rows: Sequence[Sequence[Array]]):
@@ -426,15 +346,7 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     for block, properties, (_, rows) in zip(top.blocks, parameters.properties, tree.rows, strict=True):
         if rows.shape[0]:
             elements.append(prepared_block(*block_part(block, properties, rows), parameters.reference))
-    kept_form = dataclasses.replace(
-        form,
-        elements=tuple(block for block in elements if block is not None),
-        free=tree.kept,
-        place=numbers_among(top.n_x, tree.kept),
-        held_place=numbers_among(top.n_e, form.held[tree.held_places]),
-        sizes=form.sizes[tree.kept_places],
-        mobility=form.mobility[tree.kept_places],
-    )
+    place, held = numbers_among(top.n_x, tree.kept), form.held[tree.held_places]
     beams = tree_beams(top, parameters, tree)
     strain_of = jnp.full(top.n_e, top.n_x)
     for block in beams:
@@ -442,18 +354,28 @@ def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
     slots = []
     for block in beams:
         # Place zero belongs to coefficients that do not move.
-        slot = jnp.full(tree.kept.shape[0] + 1, block.c.size).at[kept_form.place[block.c.reshape(-1)]]
+        slot = jnp.full(tree.kept.shape[0] + 1, block.c.size).at[place[block.c.reshape(-1)]]
         slots.append(slot.set(np.arange(block.c.size), **TRUSTED)[1:])
-    in_tree = TreeForm(kept_form, tree, beams, strain_of, tuple(slots), kept_form.mobility)
-    return dataclasses.replace(in_tree, mobility=_mobility(in_tree, form)) if tree.held_places.shape[0] else in_tree
+    changed = dict(
+        elements=tuple(block for block in elements if block is not None),
+        free=tree.kept,
+        place=place,
+        held=held,
+        held_place=numbers_among(top.n_e, held),
+        sizes=form.sizes[tree.kept_places],
+        mobility=form.mobility[tree.kept_places],
+    )
+    options: dict[str, Any] = {**vars(form), **changed}
+    in_tree = TreeForm(**options, tree=tree, beams=beams, strain_of=strain_of, slots=tuple(slots))
+    return dataclasses.replace(in_tree, mobility=_mobility(in_tree, form)) if held.shape[0] else in_tree
 
 
 def _mobility(in_tree: TreeForm, form: CoordinatesForm):
     """Inverse masses of what moves, with everything that it moves, in the undeformed mechanism."""
 
     def moved(u: Float[Array, "n"]):
-        x = accumulate(form.parameters.reference, in_tree.tree.kept, in_tree.form.sizes * u)
-        return in_tree.placed(x)[form.free] / form.sizes
+        x = accumulate(form.parameters.reference, in_tree.tree.kept, in_tree.sizes * u)
+        return in_tree.with_ends(x)[form.free] / form.sizes
 
     along = jax.lax.stop_gradient(jax.jacfwd(moved)(jnp.zeros(in_tree.size)))
     return 1.0 / ((along**2).T @ (1.0 / form.mobility))

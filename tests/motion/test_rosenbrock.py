@@ -3,7 +3,7 @@
 import numpy as np
 from cases.tolerances import approx
 
-from flexmb.motion.rosenbrock import RODAS5P
+from flexmb.motion.stages import RODAS5P
 
 
 def test_order_conditions_of_the_coefficients():
