@@ -20,7 +20,7 @@ from ..model.topology import Topology
 from ..numerical_limits import CHAIN_RESIDUAL, REDUNDANT_COMPLIANCE
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import MOMENTS, Driven
-from .element_forces import Moving, PreparedBlock, deformed_elements, element_derivatives, strained
+from .element_forces import PreparedBlock, deformed_elements, element_derivatives, strained
 from .protocol import MotionState, by_time
 
 
@@ -104,10 +104,7 @@ class ChainForm(CoordinatesForm):
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
         """Derivatives of :meth:`residual` (THEORY.md 6)."""
-        n = self.size
-        at = self.whole(t, state.u, state.w, z[:n])
-        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
-        stress = self.stress_of(t, z[n:])
+        _, moving, stress = self.moving(t, state, z)
         # Multipliers are unknowns: the stiffness of held deformations must not act.
         loose = put(jnp.ones(self.topology.n_e), self.held, 0.0)
         tangents = [
@@ -163,7 +160,7 @@ class ChainForm(CoordinatesForm):
         masses = jnp.append(1 / self.mobility, jnp.zeros(self.held.shape[0]))
 
         def corrected(_: Array, moving: tuple[Array, Array]):
-            at = self.whole(t, moving[0], moving[1], jnp.zeros(n))
+            at = self.whole(t, *moving)
             deformed_blocks = deformed_elements(self.elements, at.x, self.near(state.memory))
             element_matrices, rates = [], []
             for block, holds, deformed in zip(self.elements, self.order.holds, deformed_blocks, strict=True):

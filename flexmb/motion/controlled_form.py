@@ -217,7 +217,7 @@ class ControlledForm(Record):
 
     def _early(self, t: Float[Array, ""], mechanism_state: MotionState) -> list[Any]:
         """Parts of outputs that depend on the state alone; zero for the others."""
-        at = self.form.whole(t, mechanism_state.u, mechanism_state.w, jnp.zeros(self.form.size))
+        at = self.form.whole(t, mechanism_state.u, mechanism_state.w)
         top, parameters = self.form.topology, self.form.parameters
         e = ed = jnp.zeros(top.n_e)
         if any("deformation" in quantity for quantity in self.places.quantities):
@@ -311,27 +311,19 @@ class ControlledForm(Record):
         at = self._driven(u).tangent(t, mechanism_state, mechanism_z)
         by_input = jax.jacfwd(lambda u: self._driven(u).residual(t, mechanism_state, mechanism_z))(u)
         y_by, u_by = self._closed_derivatives(t, mechanism_state, states, mechanism_z, y, u)
-        r_by_states, r_by_y = jnp.zeros((0, 0)), jnp.zeros((0, len(y)))
+        controller = jnp.zeros((0, y_by.shape[1]))
         if k:
-            r_by_states, r_by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
-        mechanism = [by_input @ derivative for derivative in u_by]
-        controller = [-r_by_y @ derivative for derivative in y_by]
-        none = jnp.zeros((at.by_u.shape[0], k))
-        mechanism_u = jnp.concatenate([at.by_u + mechanism[0], none], axis=1)
-        mechanism_w = jnp.concatenate([at.by_w + mechanism[1], mechanism[2]], axis=1)
-        controller_u = jnp.concatenate([controller[0], jnp.zeros((k, k))], axis=1)
-        controller_w = jnp.concatenate([controller[1], controller[2] - r_by_states], axis=1)
+            by_states, by_y = jax.jacfwd(lambda z, y: self._rate(t, z, y), (0, 1))(states, y)
+            controller = (-by_y @ y_by).at[:, 2 * n : 2 * n + k].add(-by_states)
+        rows = self._joined(by_input @ u_by, controller)
+        by_u, by_w, by_states, by_late = jnp.split(rows, [n, 2 * n, 2 * n + k], axis=1)
+        none, mechanism_rows = jnp.zeros((k, n)), np.r_[:n, n + k : z.shape[0]]
         by_z = jnp.zeros((z.shape[0], z.shape[0])).at[n : n + k, n : n + k].set(jnp.eye(k))
-        mechanism_rows = jnp.concatenate([jnp.arange(n), jnp.arange(n + k, z.shape[0])])
-        by_z = by_z.at[mechanism_rows[:, None], mechanism_rows].set(
-            at.by_z + mechanism[3] if self.places.late else at.by_z
-        )
-        if self.places.late:
-            by_z = by_z.at[(n + jnp.arange(k))[:, None], mechanism_rows].set(controller[3])
+        by_z = by_z.at[mechanism_rows[:, None], mechanism_rows].set(at.by_z)
         return Tangent(
-            self._joined(mechanism_u, controller_u),
-            self._joined(mechanism_w, controller_w),
-            by_z,
+            jnp.pad(by_u + self._joined(at.by_u, none), ((0, 0), (0, k))),
+            jnp.concatenate([by_w + self._joined(at.by_w, none), by_states], axis=1),
+            by_z.at[:, mechanism_rows].add(by_late) if self.places.late else by_z,
             by_time(self, t, state, z),
         )
 
@@ -343,49 +335,41 @@ class ControlledForm(Record):
         z: Float[Array, "r"],
         y: Float[Array, "n_y"],
         u: Float[Array, "n_u"],
-    ) -> tuple[list[Array], list[Array]]:
+    ) -> tuple[Float[Array, "n_y k"], Float[Array, "n_u k"]]:
         """Return derivatives of outputs and inputs by positions, velocities, states, and accelerations if needed."""
         u_by_states, u_by_y = jax.jacfwd(lambda z, y: self._inputs(t, z, y), (0, 1))(states, y)
-        by_u, by_w, by_z, by_input = self._measured_derivatives(t, mechanism_state, z, u)
-        y_by = [by_u, by_w, jnp.zeros((len(y), self.states)), *([] if by_z is None else [by_z])]
-        u_by = [u_by_y @ derivative for derivative in y_by]
-        u_by[2] = u_by_states
+        y_by, by_input = self._measured_derivatives(t, mechanism_state, z, u)
+        first = 2 * self.form.size
+        u_by = (u_by_y @ y_by).at[:, first : first + self.states].set(u_by_states)
         if by_input is None:
             return y_by, u_by
-        close = factorise(jnp.eye(self.places.inputs) - u_by_y @ by_input)
-        u_by = [close.solve(derivative) if derivative.shape[1] else derivative for derivative in u_by]
-        return [by_state + by_input @ of_u for by_state, of_u in zip(y_by, u_by, strict=True)], u_by
+        u_by = factorise(jnp.eye(self.places.inputs) - u_by_y @ by_input).solve(u_by)
+        return y_by + by_input @ u_by, u_by
 
     def _measured_derivatives(
-        self,
-        t: Float[Array, ""],
-        mechanism_state: MotionState,
-        z: Float[Array, "r"] | None = None,
-        u: Float[Array, "n_u"] | None = None,
-    ):
-        """Return derivatives of outputs by positions and velocities; for late outputs also by `z` and inputs."""
+        self, t: Float[Array, ""], mechanism_state: MotionState, z: Any = None, u: Any = None
+    ) -> tuple[Float[Array, "n_y k"], Float[Array, "n_y n_u"] | None]:
+        """Return derivatives of outputs as :meth:`_closed_derivatives`, at given inputs, and by inputs if needed."""
 
         def early(position: Float[Array, "n"], velocity: Float[Array, "n"]):
             return jnp.array(self._early(t, mechanism_state._replace(u=position, w=velocity)), float)
 
         # Reverse mode, since there are few outputs.
-        by_u, by_w = jax.jacrev(early, (0, 1))(mechanism_state.u, mechanism_state.w)
-        by_z = by_input = None
+        by_state = jax.jacrev(early, (0, 1))(mechanism_state.u, mechanism_state.w)
+        y_by, by_input = jnp.concatenate([*by_state, jnp.zeros((len(by_state[0]), self.states))], axis=1), None
         if self.places.late:
-            late = np.array(self.places.late)
 
-            def late_parts(
-                u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]
-            ):
+            def late(u: Float[Array, "n"], w: Float[Array, "n"], z: Float[Array, "r"], inputs: Float[Array, "n_u"]):
                 return self._late(t, mechanism_state._replace(u=u, w=w), z, inputs)
 
-            rows = jax.jacfwd(late_parts, (0, 1, 2, 3))(mechanism_state.u, mechanism_state.w, z, u)
-            none = [jnp.zeros((by_u.shape[0], row.shape[1])) for row in rows[2:]]
-            by_u, by_w, by_z, by_input = (
-                matrix.at[late].set(row) for matrix, row in zip((by_u, by_w, *none), rows, strict=True)
-            )
-        read, derivatives = self.places.read, (by_u, by_w, by_z, by_input)
-        return tuple(matrix if matrix is None or read is None else read @ matrix for matrix in derivatives)
+            late_rows = np.array(self.places.late)
+            *by_state, by_z, by_u = jax.jacfwd(late, (0, 1, 2, 3))(mechanism_state.u, mechanism_state.w, z, u)
+            by_state = jnp.concatenate([*by_state, jnp.zeros((len(by_u), self.states)), by_z], axis=1)
+            y_by = jnp.pad(y_by, ((0, 0), (0, len(z)))).at[late_rows].set(by_state)
+            by_input = jnp.zeros((len(y_by), len(u))).at[late_rows].set(by_u)
+        if self.places.read is not None:
+            y_by, by_input = self.places.read @ y_by, None if by_input is None else self.places.read @ by_input
+        return y_by, by_input
 
     def acceleration(self, t: Float[Array, ""], state: MotionState):
         """Accelerations, rates of the controller and multipliers, and whether every motion carries mass."""

@@ -1,6 +1,7 @@
 """Equations of motion in all nodal coordinates, with multipliers, and projection onto the constraints."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -119,10 +120,8 @@ class CoordinatesForm(Record):
         """Loads and prescribed values at a time."""
         return drive_at(self.topology, self.parameters, self.driven, t)
 
-    def whole(
-        self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
-    ) -> AllCoordinates:
-        """All coordinates from displacements over their sizes, and their first and second rates."""
+    def whole(self, t: Float[Array, ""], u: Any = None, w: Any = None, a: Any = None) -> AllCoordinates:
+        """All coordinates from displacements over their sizes, and their rates and second rates; None for zeros."""
         top = self.topology
         zero_x, zero_m = jnp.zeros(top.n_x), jnp.zeros(self.held.shape[0])
 
@@ -146,7 +145,8 @@ class CoordinatesForm(Record):
                 return jax.jvp(prescribed, (t,), (jnp.ones_like(t),))
 
             ((x, e), (v, ed)), (_, (acc, edd)) = jax.jvp(first, (t,), (jnp.ones_like(t),))
-        moved = self.sizes[:, None] * jnp.stack([u, w, a], axis=1)
+        rates = [jnp.zeros(self.size) if rate is None else rate for rate in (u, w, a)]
+        moved = self.sizes[:, None] * jnp.stack(rates, axis=1)
         # The compiler makes a loop of a scatter, but not of a gather.
         moved = jnp.concatenate([jnp.zeros((1, 3)), moved]).at[self.place].get(**TRUSTED)
         x, v, acc = (jnp.stack([x, v, acc], axis=1) + moved).T
@@ -154,8 +154,7 @@ class CoordinatesForm(Record):
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        last_strain = state.memory
+        at, last_strain = self.whole(t, state.u, state.w), state.memory
         if not last_strain.shape[0]:
             last_strain = self.strained(at.x, zero_strain(self.topology))
         return WholeMotion(at.x, at.v, last_strain, jnp.zeros(0))
@@ -229,14 +228,18 @@ class CoordinatesForm(Record):
         """Deformations at the last accepted state; zero if no turns are counted."""
         return memory if memory.shape[0] else zero_strain(self.topology)
 
+    def moving(
+        self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
+    ) -> tuple[AllCoordinates, Moving, Callable[..., Any]]:
+        """All coordinates, the same as a state of motion, and :meth:`stress_of`."""
+        at = self.whole(t, state.u, state.w, z[: self.size])
+        return at, Moving(at.x, at.v, at.a, self.near(state.memory)), self.stress_of(t, z[self.size :])
+
     def forces(
         self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]
     ) -> tuple[Kinematics, Float[Array, "n_e"], Float[Array, "n_x"], AllCoordinates]:
         """Kinematics, stress resultants, nodal forces out of balance, and all coordinates."""
-        n = self.size
-        at = self.whole(t, state.u, state.w, z[:n])
-        stress = self.stress_of(t, z[n:])
-        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
+        at, moving, stress = self.moving(t, state, z)
         acting = acting_forces(self.elements, moving, self.falling, stress)
         return acting.kinematics, acting.sigma, acting.force - self.applied(t, at.x), at
 
@@ -255,7 +258,7 @@ class CoordinatesForm(Record):
 
     def gap(self, t: Float[Array, ""], state: MotionState):
         """Held deformations minus their wanted values."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
+        at = self.whole(t, state.u, state.w)
         return self.strained(at.x, self.near(state.memory))[self.held] - at.e
 
     def scaled(self, matrix: Float[Array, "n_x n_x"]):
@@ -277,10 +280,7 @@ class CoordinatesForm(Record):
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Tangent:
         """Derivatives of :meth:`residual`, element by element (THEORY.md 6)."""
-        n = self.size
-        at = self.whole(t, state.u, state.w, z[:n])
-        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
-        stress = self.stress_of(t, z[n:])
+        at, moving, stress = self.moving(t, state, z)
 
         def following(e: Float[Array, "n_e"], ed: Float[Array, "n_e"]):
             return own_tangents(self.elements, self.loose_tangents(t, e, ed))
@@ -305,9 +305,7 @@ class CoordinatesForm(Record):
         self, t: Float[Array, ""], state: MotionState
     ) -> tuple[Float[Array, "r"], Float[Array, "n n"], Float[Array, "m n"]]:
         """Residual at zero accelerations and multipliers, mass matrix, derivatives of the held deformations."""
-        at = self.whole(t, state.u, state.w, jnp.zeros(self.size))
-        moving = Moving(at.x, at.v, at.a, self.near(state.memory))
-        stress = self.stress_of(t, jnp.zeros(self.held.shape[0]))
+        at, moving, stress = self.moving(t, state, jnp.zeros(self.unknowns))
         acting, jacobian, mass = acting_matrices(self.elements, moving, self.falling, stress)
         force = (acting.force - self.applied(t, at.x))[self.free] * self.sizes
         residual = jnp.concatenate([force, acting.kinematics.edd[self.held] - at.edd])
@@ -336,19 +334,19 @@ class CoordinatesForm(Record):
         """Rates of the deformations if turns are counted."""
         if not state.memory.shape[0]:
             return state.memory
-        at = self.whole(t, state.u, state.w, z[: self.size])
+        at = self.whole(t, state.u, state.w)
         return self.deformed(at.x, state.memory)[1] @ at.v
 
     @jit_beside_options
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """State brought back onto D = e and D_x v = e_dot (THEORY.md 9, eq. (9.3)), by a mass or the undeformed one."""
         u, w, memory = state
-        n, last_strain, zero = self.size, self.near(memory), jnp.zeros_like(u)
+        n, last_strain = self.size, self.near(memory)
         if self.held.shape[0]:
             heavy = jnp.diag(1 / self.mobility) if mass is None else mass
 
             def corrected(_: Array, moving: tuple[Array, Array]):
-                at = self.whole(t, *moving, zero)
+                at = self.whole(t, *moving)
                 e, jacobian = self.deformed(at.x, last_strain)
                 missed = jnp.stack([e[self.held] - at.e, (jacobian @ at.v)[self.held] - at.ed], axis=1)
                 right = jnp.concatenate([jnp.zeros((n, 2)), missed])
@@ -359,7 +357,7 @@ class CoordinatesForm(Record):
             # The second step removes the error of the first, which is of second order.
             u, w = jax.lax.fori_loop(0, 2, corrected, (u, w))
         if memory.shape[0]:
-            memory = self.strained(self.whole(t, u, w, zero).x, memory)
+            memory = self.strained(self.whole(t, u).x, memory)
         return MotionState(u, w, memory)
 
 

@@ -94,7 +94,7 @@ class EnergyKeeping(SecondOrderSolver):
 
 def rates_of_inertia(form: CoordinatesForm, t: Float[Array, ""], state: MotionState) -> InertiaRates:
     """Rates of the inertia vectors s(x), of each block of elements."""
-    at, last_strain = form.whole(t, state.u, state.w, jnp.zeros(form.size)), form.near(state.memory)
+    at, last_strain = form.whole(t, state.u, state.w), form.near(state.memory)
 
     def rate(f: Callable[..., Any], x: Float[Array, "c"], v: Float[Array, "c"]):
         return jax.jvp(f, (x,), (v,))[1][1]
@@ -107,7 +107,7 @@ def velocities_of(
 ) -> Float[Array, "n"]:
     """Allowed velocities closest to given rates of the inertia vectors, in the norm of the kinetic energy."""
     still, last_strain = state._replace(w=jnp.zeros(form.size)), form.near(state.memory)
-    at = form.whole(t, still.u, still.w, still.w)
+    at = form.whole(t, state.u)
     _, jacobian = form.deformed(at.x, last_strain)
     # The rates include driven coordinates, which are known.
     undriven = jax.tree.map(lambda rate, known: rate - known, rates, rates_of_inertia(form, t, still))
@@ -165,8 +165,8 @@ def forces_over_step(
     `rates` are the rates at the begin, `multipliers` are means over the step. Velocities of the states are unused. The
     derivative at the middle is corrected along the step (Gonzalez (1996), J. Nonlinear Science 6, 449).
     """
-    (t0, t1), zero, last_strain = times, jnp.zeros(form.size), form.near(states[0].memory)
-    begin, end = (form.whole(t, at.u, zero, zero).x for t, at in zip(times, states, strict=True))
+    (t0, t1), last_strain = times, form.near(states[0].memory)
+    begin, end = (form.whole(t, at.u).x for t, at in zip(times, states, strict=True))
     h, step, middle, t_middle = t1 - t0, end - begin, (begin + end) / 2, (t0 + t1) / 2
     # They make changes of coordinates pure numbers.
     sizes = put(jnp.ones(form.topology.n_x), form.free, form.sizes)

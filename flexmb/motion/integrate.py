@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import functools
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import jax
@@ -111,7 +111,7 @@ def _solved(
     equations: Equations,
     problem: Problem,
     integrator: Integrator,
-    times: tuple[Float[Array, ""], Float[Array, ""], Float[Array, "n_t"]],
+    span: Span,
     start: MotionState,
     before: Before,
     derived: bool = False,
@@ -122,18 +122,16 @@ def _solved(
 
     from .solve import solve
 
-    forward: Any = functools.partial(solve, adjoint=diffrax.ForwardMode())
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    span = Span(*times, problem.stops, problem.jumps)
     if _by_options(integrator, problem.jumps):
         adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
         return solve(equations, span, start, integrator, before, parts, adjoint=adjoint, every=True)[0]
 
     def plain(*arguments: Any):
-        return known[0] if known is not None else forward(*arguments, parts, every=derived)[0]
+        return known[0] if known is not None else _forward(*arguments, parts, every=derived)[0]
 
     def ahead(*arguments: Any):
-        return known if known is not None else forward(*arguments, parts, every=True, recorded=True)
+        return known if known is not None else _forward(*arguments, parts, every=True, recorded=True)
 
     def back(varied: list[Varied], ends: Array, changes: Solved):
         derivatives = pulled_back(varied[:3], ends, changes.states)
@@ -142,6 +140,14 @@ def _solved(
         return refusing_derivatives((*derivatives, *none), ONCE)
 
     return with_derivative(plain, ahead, back, equations, span, start, integrator, before)
+
+
+def _forward(*arguments: Any, **options: Any) -> Any:
+    import diffrax
+
+    from .solve import solve
+
+    return solve(*arguments, adjoint=diffrax.ForwardMode(), **options)
 
 
 def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedForm | ControlledForm | TreeForm:
@@ -198,11 +204,14 @@ def soon_after(problem: Problem, form: str, t: Float[Array, ""], given: Start, w
     return state._replace(u=state.u + wait * (state.w + faster / 2), w=state.w + faster)
 
 
-def integrate(
-    problem: Problem, integrator: Integrator, span: Any, times: Float[Array, "n_t"], given: Reached
-) -> Integrated:
-    """Motion over a span (2,) [s], given at `times`, compiled."""
-    return (_asked if _by_options(integrator, problem.jumps) else _stepped)(problem, integrator, span, times, given)
+def _either(function: Callable[..., Integrated], ahead: Callable[..., Any]) -> Callable[..., Integrated]:
+    """Compiled function of a problem, an integrator and more, which diffrax or we differentiate."""
+    asked, stepped = jit_beside_options(function), jit_beside_reverse(function, ahead, ONCE)
+
+    def run(problem: Problem, integrator: Integrator, *more: Any) -> Integrated:
+        return (asked if _by_options(integrator, problem.jumps) else stepped)(problem, integrator, *more)
+
+    return run
 
 
 def _integrated(
@@ -212,43 +221,32 @@ def _integrated(
     times: Float[Array, "n_t"],
     reached: Reached,
     known: tuple[Solved, Array] | None = None,
-) -> Integrated:
+    recorded: bool = False,
+) -> Any:
+    """Result of an integration; if recorded, also the solution and the ends of its steps for a derivative."""
     equations = _equations(problem, integrator.form)
     start, begun = _started(equations, problem, span[0], reached.state)
-    solved = _solved(equations, problem, integrator, (*span, times), start, reached.before, known=known)
-    return _as_integrated(equations, times, solved, begun, reached)
-
-
-def _as_integrated(
-    equations: Equations, times: Float[Array, "n_t"], solved: Solved, begun: Int[Array, ""], reached: Reached
-) -> Integrated:
-    """Result of an integration from solved states."""
+    stretch = Span(span[0], span[1], times, problem.stops, problem.jumps)
+    if recorded:
+        known = _forward(equations, stretch, start, integrator, reached.before, FIRST, every=True, recorded=True)
+        solved: Solved = known[0]
+    else:
+        solved = _solved(equations, problem, integrator, stretch, start, reached.before, known=known)
     # Between steps the state is interpolated, off the constraints.
     rows: WholeMotion = jax.lax.map(lambda at: equations.whole_motion(at[0], equations.settle(*at)), (times, solved[0]))
     result = jnp.where(begun == RESULTS.successful, solved.result, begun)
     jumped = solved.jumped & (result == RESULTS.successful)
     last = Reached(_last(solved.states), reached.memory, Before(solved.moved, solved.balance))
-    return Integrated(rows, solved.steps, result, last, jumped)
+    integrated = Integrated(rows, solved.steps, result, last, jumped)
+    return (integrated, known) if recorded else integrated
 
 
-def _recorded(
-    problem: Problem, integrator: Integrator, span: Float[Array, "2"], times: Float[Array, "n_t"], reached: Reached
-) -> tuple[Integrated, tuple[Solved, Array]]:
-    """:func:`_integrated`, with the solution and the ends of its steps for a derivative."""
-    import diffrax
-
-    from .solve import solve
-
-    equations = _equations(problem, integrator.form)
-    start, begun = _started(equations, problem, span[0], reached.state)
-    stretch = Span(span[0], span[1], times, problem.stops)
-    options: Any = {"adjoint": diffrax.ForwardMode(), "every": True, "recorded": True}
-    solved, ends = solve(equations, stretch, start, integrator, reached.before, FIRST, **options)
-    return _as_integrated(equations, times, solved, begun, reached), (solved, jnp.asarray(ends))
+def _recorded(*arguments: Any) -> tuple[Integrated, tuple[Solved, Array]]:
+    return _integrated(*arguments, recorded=True)
 
 
-_asked = jit_beside_options(_integrated)
-_stepped = jit_beside_reverse(_integrated, _recorded, ONCE)
+# Motion over a span (2,) [s] from where it is reached, given at times.
+integrate = _either(_integrated, _recorded)
 
 
 def _last(states: MotionState) -> MotionState:
@@ -291,7 +289,8 @@ def _integrated_sampled(
         u, memory = sampled.step(begin, memory, sensors.measured(begin, state, z, u))
         u = jnp.atleast_1d(jnp.asarray(u, float))
         equations = under_inputs(problem.model, undriven, u)
-        solved = _solved(equations, problem, integrator, (begin, end, interval_times), state, before, derived)
+        span = Span(begin, end, interval_times, problem.stops, problem.jumps)
+        solved = _solved(equations, problem, integrator, span, state, before, derived)
         before = Before(solved.moved, solved.balance)
         return Reached(_last(solved.states), (memory, u), before), (solved.states, u, *solved[2:5])
 
@@ -315,14 +314,5 @@ def _derived_sampled(*arguments: Any) -> tuple[Integrated, None]:
     return _integrated_sampled(*arguments, derived=True), None
 
 
-_asked_sampled = jit_beside_options(_integrated_sampled)
-_sampled = jit_beside_reverse(_integrated_sampled, _derived_sampled, ONCE)
-
-
-def integrate_sampled(
-    problem: Problem, integrator: Integrator, grid: Intervals, times: Float[Array, "n_t"], given: Reached
-) -> Integrated:
-    """Motion under a controller that acts at equal intervals, given at `times`, compiled."""
-    return (_asked_sampled if _by_options(integrator, problem.jumps) else _sampled)(
-        problem, integrator, grid, times, given
-    )
+# Motion under a controller that acts at equal intervals, given at times, from where it is reached.
+integrate_sampled = _either(_integrated_sampled, _derived_sampled)

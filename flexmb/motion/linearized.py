@@ -62,7 +62,7 @@ def _steady(topology: Topology, parameters: Parameters, driven: tuple[Driven, ..
     form = coordinates_form(topology, parameters, driven)
     none = jnp.zeros(topology.n_q)
     sizes = coordinate_scales(topology, parameters)
-    prescribed = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    prescribed = form.whole(time)
     n = topology.x.dof.shape[0]
     scale = jnp.concatenate([sizes[topology.x.dof], jnp.ones(topology.n_q - n)])
 
@@ -135,7 +135,7 @@ def _speed(
 ) -> Float[Array, ""]:
     """Greatest prescribed speed [extents/s, rad/s]."""
     form = coordinates_form(topology, parameters, driven)
-    prescribed = form.whole(time, *(jnp.zeros(form.size),) * 3)
+    prescribed = form.whole(time)
     speeds = jnp.concatenate([prescribed.v / coordinate_scales(topology, parameters), prescribed.ed])
     return jnp.max(jnp.abs(speeds), initial=0.0)
 

@@ -153,8 +153,7 @@ def state_at_rates(
 ) -> Moving:
     """State of motion at rates of the degrees of freedom; `speed` scales prescribed rates."""
     top = form.topology
-    none = jnp.zeros(form.size)
-    prescribed = form.whole(t, none, none, none)
+    prescribed = form.whole(t)
     _, jacobian = deformations_and_slopes(form.elements, x, near)
     tangent = transfer(top, jacobian)
     v = rates_at(form, prescribed, tangent, jacobian, qd, speed)

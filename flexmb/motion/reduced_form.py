@@ -63,9 +63,8 @@ class ReducedForm(Record):
 
     def placed(self, t: Float[Array, ""], u: Float[Array, "n_q"], memory: Float[Array, "k"]):
         """All coordinates and deformations at degrees of freedom u, from the guess in the memory."""
-        none, n_x = jnp.zeros(self.form.size), self.form.topology.n_x
-        prescribed = self.form.whole(t, none, none, none)
-        return self.form.placed(prescribed, u * self.sizes, memory[:n_x], memory[n_x:])
+        n_x = self.form.topology.n_x
+        return self.form.placed(self.form.whole(t), u * self.sizes, memory[:n_x], memory[n_x:])
 
     def everything(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "n_q"]) -> Moving:
         """State of motion in all coordinates; z are the second rates over their sizes."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, TypeVar, Unpack
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Unpack
 
 import jax
 import jax.core
@@ -52,8 +52,6 @@ MOVED = ("x", "e")
 CONTROLLER_MAY_FAIL = (RESULTS.step_too_small, RESULTS.step_too_large)
 # Number of times at which functions of time are checked after a failure.
 LOOKED_AT = 101
-
-Group = TypeVar("Group", Drives, Loop, Integrator)
 
 
 class Keywords(TypedDict, total=False):
@@ -168,12 +166,16 @@ def simulate(
         raise ValueError("Argument `progress` needs concrete numbers. Leave it out inside jax.jit, jax.grad, jax.vmap.")
     feedback = as_feedback(model, loop)
     _warn_of_fresh_controller(initial, feedback)
-    problem, integrator = _problem(model, driven, feedback, jumps, integrator, times, start)
-    if initial is None and is_concrete(times):
-        still = start.x is model.parameters.reference and begins_still(model.parameters, driven, np.asarray(times)[0])
-        problem = dataclasses.replace(problem, still=still)
+    form, order, tree = chosen_form(integrator, model, driven, feedback is not None, jumps, (times, start))
+    integrator = dataclasses.replace(integrator, form=form)
+    # None without a measured rotation in space, so that the compiled program stays the same.
+    rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
+    problem = Problem(model.without_names(), driven, feedback, jumps, start.x if rotations else None, order, tree)
     if is_concrete(times):
-        problem = dataclasses.replace(problem, stops=_stops(drives, loop, driven, feedback, times))
+        still = initial is None and start.x is model.parameters.reference
+        still = still and begins_still(model.parameters, driven, np.asarray(times)[0])
+        stops = _stops(drives, loop, driven, feedback, times)
+        problem = dataclasses.replace(problem, still=still, stops=stops)
     if integrator.event is not None:
         event = _event_now(problem, integrator, integrator.event, times, start)
         integrator = dataclasses.replace(integrator, event=event)
@@ -232,35 +234,19 @@ def _refuse_by_cause(
 def _records(
     drives: Drives | None, loop: Loop | None, integrator: Integrator | None, keywords: Mapping[str, Any]
 ) -> tuple[Drives, Loop, Integrator]:
-    """Records of arguments with the keywords that belong to them."""
+    """Records of arguments with the keywords that belong to them; None means not given."""
     remaining: dict[str, Any] = {**keywords}
-    records = (
-        _group("drives", drives, Drives, remaining),
-        _group("loop", loop, Loop, remaining),
-        _group("integrator", integrator, Integrator, remaining),
-    )
+    records: list[Any] = []
+    for name, group, kind in (("drives", drives, Drives), ("loop", loop, Loop), ("integrator", integrator, Integrator)):
+        if group is not None and not isinstance(group, kind):
+            raise TypeError(f"Argument `{name}` must be fm.{kind.__name__}(..), not {short_repr(group)}.")
+        options = {field.name: remaining.pop(field.name, None) for field in dataclasses.fields(kind)}
+        options = {name: value for name, value in options.items() if value is not None}
+        records.append(dataclasses.replace(kind() if group is None else group, **options))
     if remaining:
         known = ", ".join(Keywords.__annotations__)
         raise TypeError(f"fm.simulate has no keyword `{next(iter(remaining))}`. Further keywords are: {known}.")
-    return records
-
-
-def _problem(
-    model: Model,
-    driven: tuple[Driven, ...],
-    feedback: Feedback | Sampled | None,
-    jumps: Any,
-    integrator: Integrator,
-    times: Float[Array, "n_t"],
-    start: Start,
-) -> tuple[Problem, Integrator]:
-    """What is integrated, and the integrator with the chosen form."""
-    form, order, tree = chosen_form(integrator, model, driven, feedback is not None, jumps, (times, start))
-    integrator = dataclasses.replace(integrator, form=form)
-    # None without a measured rotation in space, so that the compiled program stays the same.
-    rotations = feedback is not None and any(s.axis is not None for s in terms_of(model.labels.outputs))
-    whence = start.x if rotations else None
-    return Problem(model.without_names(), driven, feedback, jumps, whence, order, tree), integrator
+    return records[0], records[1], records[2]
 
 
 def _stops(
@@ -444,15 +430,6 @@ def _refuse_controller(
 def _flat(tree: Any) -> Float[Array, "k"]:
     """All numbers of a pytree in a row."""
     return jnp.concatenate([jnp.zeros(0), *(jnp.ravel(jnp.asarray(leaf, float)) for leaf in jax.tree.leaves(tree))])
-
-
-def _group(name: str, group: Group | None, kind: type[Group], keywords: dict[str, Any]) -> Group:
-    """A record with the keywords that belong to it, which are removed; None means not given."""
-    if group is not None and not isinstance(group, kind):
-        raise TypeError(f"Argument `{name}` must be fm.{kind.__name__}(..), not {short_repr(group)}.")
-    options = {field.name: keywords.pop(field.name, None) for field in dataclasses.fields(kind)}
-    options = {name: value for name, value in options.items() if value is not None}
-    return dataclasses.replace(kind() if group is None else group, **options)
 
 
 def _event_now(problem: Problem, integrator: Integrator, event: Any, times: Float[Array, "n_t"], start: Start):

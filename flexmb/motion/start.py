@@ -93,9 +93,9 @@ def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tu
     reduced = reduced_form(form)
     state = reduced.state_of(*given)
     x, last_strain = form.placed(
-        _aim(form, t), state.u * reduced.sizes, *_driven_in_steps(*jax.lax.stop_gradient((form, t, state)))
+        form.whole(t), state.u * reduced.sizes, *_driven_in_steps(*jax.lax.stop_gradient((form, t, state)))
     )
-    at = _aim(form, t)
+    at = form.whole(t)
     e, jacobian = deformation_jacobian(form.topology, form.parameters, x, last_strain)
     off = jnp.max(jnp.abs(e[form.held] - at.e), initial=0.0)
     largest = jnp.max(coordinate_scales(form.topology, form.parameters), initial=1.0)
@@ -104,17 +104,12 @@ def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tu
     return Start(x, v, last_strain), met
 
 
-def _aim(form: CoordinatesForm, t: Float[Array, ""]):
-    none = jnp.zeros(form.size)
-    return form.whole(t, none, none, none)
-
-
 def _driven_in_steps(form: CoordinatesForm, t: Float[Array, ""], state: Any) -> tuple[Array, Array]:
     """Coordinates and deformations near the driven place, in steps from the given state."""
     reduced: ReducedForm = reduced_form(form)
     top, q = form.topology, state.u * reduced.sizes
     x, e = state.memory[: top.n_x], state.memory[top.n_x :]
-    aim = _aim(form, t)
+    aim = form.whole(t)
     shift = put(jnp.zeros(top.n_x), top.x.prescribed, (aim.x - x)[top.x.prescribed])
     # How far everything moves, to first order.
     _, jacobian = deformation_jacobian(top, form.parameters, x, e)

@@ -77,9 +77,7 @@ class TreeForm(CoordinatesForm):
             return x
         return linked(self.tree.felt, jnp.concatenate([beams.felt_ways(x) for beams in self.beams if beams.parts]), x)
 
-    def whole(
-        self, t: Float[Array, ""], u: Float[Array, "n"], w: Float[Array, "n"], a: Float[Array, "n"]
-    ) -> AllCoordinates:
+    def whole(self, t: Float[Array, ""], u: Any = None, w: Any = None, a: Any = None) -> AllCoordinates:
         """:meth:`CoordinatesForm.whole`, with computed coordinates that something depends on."""
         at = super().whole(t, u, w, a)
         return self._moved_ends(at, [beams.rates(at) for beams in self.beams if beams.parts])
@@ -88,8 +86,7 @@ class TreeForm(CoordinatesForm):
         """Derivative of the coordinates by what moves."""
         if self.tree.felt is None:
             return self.selection
-        none = jnp.zeros(self.size)
-        return jax.jacfwd(lambda u: self.with_ends(super(TreeForm, self).whole(t, u, none, none).x))(u)
+        return jax.jacfwd(lambda u: self.with_ends(super(TreeForm, self).whole(t, u).x))(u)
 
     @property
     def selection(self) -> Float[Array, "n_x n"]:
@@ -151,7 +148,7 @@ class TreeForm(CoordinatesForm):
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Coordinates, velocities and deformations of a state; no inputs."""
-        at = super().whole(t, state.u, state.w, jnp.zeros(self.size))
+        at = super().whole(t, state.u, state.w)
 
         def everywhere(x: Float[Array, "n_x"]):
             return linked(self.tree.poses, jnp.concatenate([beams.ways(x) for beams in self.beams if beams.gives]), x)
@@ -284,7 +281,7 @@ class TreeForm(CoordinatesForm):
 
     def unaccelerated(self, t: Float[Array, ""], state: MotionState):
         """Residual at zero accelerations and multipliers, mass matrix, derivatives of the held deformations."""
-        x, along = self.whole(t, state.u, state.w, jnp.zeros(self.size)).x, self.along(t, state.u)
+        x, along = self.whole(t, state.u).x, self.along(t, state.u)
         last_strain = self.near(state.memory)
         residual = self.residual(t, state, jnp.zeros(self.unknowns))
         mass = along.T @ mass_of(self.elements, x, last_strain) @ along

@@ -512,9 +512,8 @@ class _Follower(NamedTuple):
 
     def goal(self, t: Float[Array, ""]) -> _Goal:
         """Everything that is given at a time."""
-        form = self.form
-        none, start = jnp.zeros(form.size), form.parameters.start
-        prescribed = form.whole(t, none, none, none)
+        form, start = self.form, self.form.parameters.start
+        prescribed = form.whole(t)
         values = [jnp.asarray(target.law(t), float) for target in self.wanted]
         q = jnp.zeros(form.topology.n_q) if start is None else jnp.asarray(start[0])
         return (prescribed.x, prescribed.e), jnp.stack(values) if values else jnp.zeros(0), q

@@ -126,12 +126,12 @@ def _placed(
 ):
     """Configurations, velocities and deformations at changed degrees of freedom along a motion."""
     form = coordinates_form(topology, parameters, driven)
-    none, still = jnp.zeros(form.size), jnp.zeros(topology.n_q)
+    still = jnp.zeros(topology.n_q)
 
     def at_one_time(at: tuple[Array, ...]):
         t, x, last_strain, change, q, qd = at
         guess = x + state_at_rates(form, t, x, change, still, last_strain, 0.0).v
-        x, last_strain = form.placed(form.whole(t, none, none, none), q, guess, last_strain)
+        x, last_strain = form.placed(form.whole(t), q, guess, last_strain)
         return x, state_at_rates(form, t, x, qd, still, last_strain).v, last_strain
 
     return jax.lax.map(at_one_time, (t, x, near, change, q, qd))

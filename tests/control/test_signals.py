@@ -217,7 +217,8 @@ def test_what_sensors_of_a_rotation_give():
             return sensors.measured(0.0, state._replace(u=u, w=w))
 
         found = measured(state.u, state.w)
-        return found, sensors._measured_derivatives(0.0, state)[:2], jax.jacfwd(measured, (0, 1))(state.u, state.w)
+        by_state, n = sensors._measured_derivatives(0.0, state)[0], state.u.shape[0]
+        return found, (by_state[:, :n], by_state[:, n:]), jax.jacfwd(measured, (0, 1))(state.u, state.w)
 
     found, derivatives, jacobians = sensors(model, *x, v)
     # A step along the geodesic turns by the angular velocity times the time.
