@@ -139,7 +139,7 @@ def methods():
     import diffrax
 
     import flexmb as fm
-    from flexmb.motion.projected import Projected
+    from flexmb.motion.solver import Projected
 
     class Unprojected(Projected):
         """A solver whose steps may leave the constraints."""

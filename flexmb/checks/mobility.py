@@ -5,6 +5,7 @@ from collections.abc import Collection, Sequence
 from typing import Any
 
 import jax
+import jax.core
 import numpy as np
 
 from ..compilation.compile import unguarded
@@ -217,10 +218,12 @@ def allowed_motions(model: Model, found: Constraints | None = None) -> tuple[Any
     return scattered_rows(right, free, topology.n_x), len(constrained) - rank
 
 
+@jax.core.eval_context()
 def locked_inputs(model: Model) -> list[Signal]:
     """Inputs that no motion moves, in the undeformed mechanism and in one built a little further along its motions.
 
-    The second mechanism distinguishes a locked input from an input at a dead point.
+    The second mechanism distinguishes a locked input from an input at a dead point. The model is concrete; other
+    numbers may be traced.
     """
     locked = list(model.labels.inputs)
     motions, _ = allowed_motions(model)

@@ -16,7 +16,7 @@ from ..model.model import Model, as_known_model
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by
-from ..motion.loop import check_signals, measuring, under_inputs
+from ..motion.loop import check_signals, controlled_form, under_inputs
 from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
 from ..numerical_limits import DEPENDENT_FOUND
@@ -53,7 +53,7 @@ def plant_rates(
     at = form.settle(t, MotionState(q, qd, memory))
     full_motion = form.whole_motion(t, at)
     in_coordinates = undriven.state_of(full_motion.x, full_motion.xd, full_motion.near)
-    sensors = measuring(model, undriven, None)
+    sensors = controlled_form(model, undriven, None)
     z = under_inputs(model, undriven, u).acceleration(t, in_coordinates)[0] if sensors.places.late else None
     y = sensors.measured(t, in_coordinates, z, u)
     # The second search measures the error of the first.

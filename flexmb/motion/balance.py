@@ -19,7 +19,7 @@ from ..mechanics.stress_resultants import is_nonlinear
 from ..numerical_limits import ENERGY_PER_STEP
 from .chain_form import ChainForm
 from .controlled_form import ControlledForm
-from .coordinates_form import CoordinatesForm
+from .coordinates_form import all_coordinates
 from .protocol import MotionState
 from .stages import StepResult, hermite, state_within_step, z_within
 
@@ -77,17 +77,17 @@ def is_seen(equations: Any) -> bool:
     """Whether states at the ends of a step give its balance: elements have laws, and no multiplier does work."""
     if isinstance(equations, ChainForm | ControlledForm):
         return False
-    form = _all_coordinates(equations)
-    if not isinstance(form, CoordinatesForm):
-        return False
-    return is_nonlinear(form.topology) and not any(
-        drive.quantity in ("x", "e", "increment", "temperature") for drive in form.driven
+    form = all_coordinates(equations)
+    return (
+        form is not None
+        and is_nonlinear(form.topology)
+        and not any(drive.quantity in ("x", "e", "increment", "temperature") for drive in form.driven)
     )
 
 
 def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
     """Elastic energy of the elements of constant stiffness [J]."""
-    form = _all_coordinates(equations)
+    form: Any = all_coordinates(equations)
     if isinstance(equations, ControlledForm):
         # Inputs from the controller do not change the elastic energy.
         equations, state = form, MotionState(state.u[: form.size], state.w[: form.size], state.memory)
@@ -174,7 +174,3 @@ def gained_between(equations: Any, times: tuple[Any, Any], states: tuple[MotionS
 
     gains = jnp.stack([gained_along(equations, t1 - t0, lambda s, c=c: along(s, c)) for c in (False, True)])
     return gains[jnp.argmin(jnp.abs(gains))]
-
-
-def _all_coordinates(equations: Any) -> Any:
-    return equations if isinstance(equations, CoordinatesForm) else equations.form

@@ -361,6 +361,12 @@ class CoordinatesForm(Record):
         return MotionState(u, w, memory)
 
 
+def all_coordinates(equations: Any) -> CoordinatesForm | None:
+    """Equations in all coordinates, also of other forms around such equations; None for anything else."""
+    form = equations if isinstance(equations, CoordinatesForm) else getattr(equations, "form", None)
+    return form if isinstance(form, CoordinatesForm) else None
+
+
 def numbers_among(size: int, chosen: Array) -> Int[Array, "size"]:
     """Number of each of many things among the chosen ones, from 1; 0 for the others."""
     return put(jnp.zeros(size, int), chosen, jnp.arange(1, chosen.shape[0] + 1))

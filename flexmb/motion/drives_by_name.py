@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
@@ -189,9 +188,7 @@ def _check_inputs(model: Model, inputs: Mapping[str, Any]) -> None:
             )
     if not inputs or not is_concrete(model):
         return
-    with jax.core.eval_context():
-        locked = locked_inputs(model)
-    for signal in locked:
+    for signal in locked_inputs(model):
         if signal.name in inputs:
             raise ModelError(f"Input '{signal.name}' moves nothing, in any position of the mechanism. Leave it out.")
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +53,7 @@ class Passing(Record):
         passed, count = jnp.array(False), 0
         for condition, direction in zip(self.conditions, self.directions, strict=True):
             # Sequential: a condition may call back to Python.
-            values = jax.lax.map(functools.partial(_at_place, condition), at)
+            values = jax.lax.map(lambda place, condition=condition: condition(*place, None), at)
             times_met = jnp.sum(_comes(values[:-1], values[1:], direction))
             count += times_met
             passed |= (times_met > 0) & ~_comes(values[0], values[-1], direction)
@@ -109,10 +108,6 @@ def _watched(event: diffrax.Event) -> list[tuple[Any, bool | None]]:
     conditions = jax.tree.leaves(event.cond_fn, is_leaf=callable)
     ways: list[Any] = jax.tree.leaves(event.direction, is_leaf=lambda way: way is None)
     return list(zip(conditions, ways, strict=True))
-
-
-def _at_place(condition: EventCondition, place: tuple[Float[Array, ""], MotionState]) -> Any:
-    return condition(*place, None)
 
 
 def _comes(before: Any, after: Any, way: bool | None) -> Bool[Array, "..."]:

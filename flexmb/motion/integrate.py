@@ -25,7 +25,7 @@ from .controllers import Sampled
 from .coordinates_form import CoordinatesForm, coordinates_form
 from .drive import Driven
 from .integrator import Integrator
-from .loop import controlled_form, measuring, under_inputs
+from .loop import controlled_form, under_inputs
 from .protocol import Equations, MotionState, WholeMotion
 from .reduced_form import ReducedForm, reduced_form
 from .start import Start, driven_start, driving, is_determined
@@ -163,7 +163,7 @@ def _equations(problem: Problem, form: str | None) -> CoordinatesForm | ReducedF
     if tree is not None:
         return tree_form(mechanism, tree)
     if isinstance(problem.feedback, Feedback):
-        return controlled_form(problem.model, mechanism, problem.feedback, problem.measured_from)
+        return controlled_form(problem.model, mechanism, problem.measured_from, problem.feedback)
     return mechanism
 
 
@@ -279,7 +279,7 @@ def _integrated_sampled(
 ) -> Integrated:
     sampled: Any = problem.feedback
     undriven = coordinates_form(problem.model.topology, problem.model.parameters, problem.driven)
-    sensors = measuring(problem.model, undriven, problem.measured_from)
+    sensors = controlled_form(problem.model, undriven, problem.measured_from)
 
     def interval(carry: tuple[Any, ...], at: tuple[Any, ...]):
         state, (memory, u), before = carry

@@ -28,7 +28,7 @@ from ..numerical_limits import (
     TIME_ROUND_OFF,
 )
 from .controlled_form import ControlledForm
-from .coordinates_form import CoordinatesForm
+from .coordinates_form import CoordinatesForm, all_coordinates
 from .element_forces import PreparedBlock, deformations_and_slopes, prepared_block
 from .protocol import MotionState
 
@@ -140,11 +140,27 @@ class KinkSearch(NamedTuple):
 
         `kept`: whether the step's error is small enough; `next_t1`: end of the next step by its error.
         """
-        known = jnp.where(self.by > times[0], self.slopes, 0.0)
-        changes, slopes = kinks.within(times, states, known)
-        halved = _halved(self, times, kept, (jnp.where(kept, changes, 0.0), slopes), next_t1, SHORTEST_STEP * smallest)
-        # Only derivatives need to know of jumps.
-        return halved if kinks.every else (*halved[:2], halved[2]._replace(jumped=self.jumped))
+        (t0, t1), seeking = times, self.by > times[0]
+        changes, slopes = kinks.within(times, states, jnp.where(seeking, self.slopes, 0.0))
+        changes = jnp.where(kept, changes, 0.0)
+        length = jnp.where(seeking, self.length, t1 - t0)
+        short = jnp.maximum(STEP_AT_KINK * length, TIME_ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
+        short = jnp.maximum(short, SHORTEST_STEP * smallest)
+        refused = jnp.any(changes > 0) & (t1 - t0 > short)
+        begins = refused & ~seeking
+        first = jnp.where(begins, changes, self.changes)
+        jumped = self.jumped
+        if kinks.every:
+            # Only derivatives need to know of jumps.
+            jumped = jumped | (seeking & ~refused & jnp.any((changes > JUMP_AT_KINK * first) & (first > 0)))
+        by = jnp.where(refused, t1, self.by)
+        begin = jnp.where(refused, t0, t1)
+        remaining = by - begin
+        onwards = begin + jnp.where(remaining > short, remaining / 2, remaining)
+        # Beyond the kink steps are as long as before.
+        after = jnp.where(remaining > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
+        search = KinkSearch(by, length, first, jnp.where(begins, slopes, self.slopes), jumped)
+        return refused, jnp.where(kept, after, next_t1), search
 
 
 def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> KinkSearch:
@@ -153,40 +169,9 @@ def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> K
     return KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, sizes, jnp.asarray(False))
 
 
-def _halved(
-    search: KinkSearch,
-    times: tuple[Any, Any],
-    accepted: Any,
-    functions: tuple[Float[Array, "k"], Float[Array, "k"]],
-    next_t1: Any,
-    least: Any,
-) -> tuple[Bool[Array, ""], Float[Array, ""], KinkSearch]:
-    """Whether a step is refused for a kink, the end of the next step, and the new search."""
-    (t0, t1), (changes, slopes) = times, functions
-    seeking, h = search.by > t0, t1 - t0
-    length = jnp.where(seeking, search.length, h)
-    short = jnp.maximum(STEP_AT_KINK * length, TIME_ROUND_OFF * jnp.maximum(jnp.abs(t0), jnp.abs(t1)))
-    short = jnp.maximum(short, least)
-    refused = jnp.any(changes > 0) & (h > short)
-    begins = refused & ~seeking
-    first = jnp.where(begins, changes, search.changes)
-    jumped = search.jumped | (seeking & ~refused & jnp.any((changes > JUMP_AT_KINK * first) & (first > 0)))
-    by = jnp.where(refused, t1, search.by)
-    begin = jnp.where(refused, t0, t1)
-    remaining = by - begin
-    onwards = begin + jnp.where(remaining > short, remaining / 2, remaining)
-    # Beyond the kink steps are as long as before.
-    after = jnp.where(remaining > 0, onwards, jnp.where(seeking, jnp.maximum(next_t1, t1 + length), next_t1))
-    return (
-        refused,
-        jnp.where(accepted, after, next_t1),
-        KinkSearch(by, length, first, jnp.where(begins, slopes, search.slopes), jumped),
-    )
-
-
 def kinks_of(equations: Any, every: bool = True) -> Kinks | None:
     """Search for kinks of equations; None if all laws and the controller are smooth operations."""
-    form = _all_coordinates(equations)
+    form = all_coordinates(equations)
     if form is None or not (_law_may_bend(form) or _controller_may_bend(equations)):
         return None
     blocks = zip(form.topology.blocks, form.parameters.properties, strict=True)
@@ -212,14 +197,9 @@ def _controller_may_bend(equations: Any) -> bool:
     return may_bend(output, *like)
 
 
-def _all_coordinates(equations: Any) -> CoordinatesForm | None:
-    form = equations if isinstance(equations, CoordinatesForm) else getattr(equations, "form", None)
-    return form if isinstance(form, CoordinatesForm) else None
-
-
 def _forces(kinks: Kinks, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
     """A controller's inputs, and stress resultants of laws, energies and dissipations."""
-    form: Any = _all_coordinates(kinks.equations)
+    form: Any = all_coordinates(kinks.equations)
     at = kinks.equations.whole_motion(t, state)
     if not is_nonlinear(form.topology):
         return at.u

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 import jax
-import jax.core
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
@@ -124,10 +123,7 @@ def check_signals(model: Model, needs: str) -> None:
                 " that can move."
             )
     if is_concrete(model):
-        # Also within a trace of other numbers, such as a gain.
-        with jax.core.eval_context():
-            locked = locked_inputs(model)
-        for signal in locked:
+        for signal in locked_inputs(model):
             raise ModelError(
                 f"Input '{signal.name}' (a {signal.quantity}) moves nothing, in any position of the mechanism. Let it"
                 " act on a coordinate that can move, or leave it out."
@@ -169,7 +165,10 @@ def as_feedback(model: Model, loop: Loop) -> Feedback | Sampled | None:
         _check_sampled(controller, len(inputs), len(outputs))
     elif (controller.rate is None) != (controller.start is None):
         raise ModelError("A Feedback needs both `rate` and `start` of its states, or neither.")
-    return _captured_controller(controller, len(outputs))
+    check_real("The `start` of the controller", controller.start, ModelError)
+    # Names and windup are used before; left in, they would only split the compilation cache.
+    plain = dataclasses.replace(controller, windup=None, reads=None, drives=None)
+    return with_functions(plain, len(outputs), **{name: getattr(controller, name, None) for name in FUNCTIONS})
 
 
 def _acts(control: Any) -> bool:
@@ -178,14 +177,6 @@ def _acts(control: Any) -> bool:
         return True
     _, _, c, d = matrices_of(control)[0]
     return not is_concrete((c, d)) or bool(np.any(c) or np.any(d))
-
-
-def _captured_controller(controller: Feedback | Sampled, count: int):
-    """Controller with its functions captured at this call, for a number of outputs of the mechanism."""
-    check_real("The `start` of the controller", controller.start, ModelError)
-    # Names and windup are used before; left in, they would only split the compilation cache.
-    plain = dataclasses.replace(controller, windup=None, reads=None, drives=None)
-    return with_functions(plain, count, **{name: getattr(controller, name, None) for name in FUNCTIONS})
 
 
 def with_functions(controller: Feedback | Sampled, count: int, **functions: Any):
@@ -268,13 +259,8 @@ def under_inputs(model: Model, form: CoordinatesForm, u: Float[Array, "n_u"]) ->
 
 
 def controlled_form(
-    model: Model, form: CoordinatesForm, feedback: Feedback, start: Float[Array, "n_x"] | None
+    model: Model, form: CoordinatesForm, start: Float[Array, "n_x"] | None, feedback: Feedback | None = None
 ) -> ControlledForm:
-    """Equations of motion of a mechanism with a controller; `start` as for :func:`measuring`."""
-    return dataclasses.replace(measuring(model, form, start), feedback=feedback)
-
-
-def measuring(model: Model, form: CoordinatesForm, start: Float[Array, "n_x"] | None) -> ControlledForm:
-    """A mechanism with sensors and actuators, without inputs; rotations in space are measured from `start`."""
+    """A mechanism with sensors, actuators and a controller; rotations in space are measured from `start`."""
     whence = form.parameters.reference if start is None else start
-    return ControlledForm(form, Feedback(_nothing), _places(model), whence)
+    return ControlledForm(form, Feedback(_nothing) if feedback is None else feedback, _places(model), whence)

@@ -32,10 +32,9 @@ from .controllers import Sampled
 from .drive import Driven
 from .drives_by_name import Drives, driven_by, jump_times
 from .events import as_it_is, check_at_start, conditions_of
-from .form_choice import check_form, chosen_form
 from .full_turns import warn_of_full_turns
 from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
-from .integrator import Integrator
+from .integrator import Integrator, check_form, chosen_form
 from .loop import Loop, as_feedback, with_functions, with_reference_as_function
 from .motion import Motion
 from .parts import integrate_in_parts, sampled_intervals
@@ -185,7 +184,12 @@ def simulate(
     if model.labels.found and driving(model.parameters, driven) and is_concrete((motion, start)):
         warn_of_start(motion, start)
     if throw and is_concrete(motion.result) and int(motion.result) not in (RESULTS.successful, RESULTS.stopped):
-        _refuse_by_cause(motion, start, problem, integrator, given_times, (drives, loop))
+        # A function of time or a controller may have made the integration fail.
+        known, begun, known_problem = undifferentiated((motion, start, problem))
+        if is_concrete((known, begun, known_problem, integrator)):
+            _refuse_not_finite(known, drives, loop)
+            if int(known.result) in CONTROLLER_MAY_FAIL:
+                _refuse_controller(known_problem, integrator, given_times, begun, known)
     _check_motion(motion, run.jumped, throw and not stopped, loop)
     _warn_of_energy(motion, integrator)
     warn_of_coarse(model, motion.e)
@@ -213,22 +217,6 @@ def _motion_of(
     rows, form = (times, x, xd, last_strain, u, run.steps, result), str(integrator.form)
     name = "Rodas5P" if solver is None else type(solver).__name__
     return Motion(*rows, problem.driven, model, form, name, run.last.before.balance.share)
-
-
-def _refuse_by_cause(
-    motion: Motion,
-    start: Start,
-    problem: Problem,
-    integrator: Integrator,
-    times: Any,
-    asked: tuple[Drives, Loop],
-) -> None:
-    """Raise an error that names a function of time or a controller, if one of them made the integration fail."""
-    known, begun, known_problem = undifferentiated((motion, start, problem))
-    if is_concrete((known, known_problem, begun, integrator)):
-        _refuse_not_finite(known, *asked)
-        if int(motion.result) in CONTROLLER_MAY_FAIL:
-            _refuse_controller(known_problem, integrator, times, begun, known)
 
 
 def _records(

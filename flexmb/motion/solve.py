@@ -17,10 +17,9 @@ from .chain_form import ChainForm
 from .events import passing_of
 from .integrator import Integrator
 from .kinks import kinks_of
-from .projected import Projected
 from .protocol import Equations, MotionState
 from .rosenbrock import Rodas5P
-from .solver import MotionTerm
+from .solver import MotionTerm, Projected
 from .step_control import DisplacementController
 from .steps_again import Span
 

@@ -22,7 +22,7 @@ from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.element_forces import deformations_and_slopes
 from ..motion.full_turns import warn_of_full_turns
-from ..motion.loop import measuring, under_inputs
+from ..motion.loop import controlled_form, under_inputs
 from ..motion.motion import Motion
 from ..results import RESULTS
 
@@ -225,7 +225,7 @@ def origins_of(model: Model) -> Float[Array, "n_y"]:
 @jit_beside_options
 def _outputs(model: Model, driven: tuple[Driven, ...], rows: tuple[Array, ...]):
     undriven = coordinates_form(model.topology, model.parameters, driven)
-    sensors = measuring(model, undriven, None)
+    sensors = controlled_form(model, undriven, None)
 
     def at_one_time(at: tuple[Array, ...]):
         t, x, xd, last_strain, u = at

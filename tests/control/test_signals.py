@@ -14,7 +14,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.math.rotation import rotation_vector
 from flexmb.motion.coordinates_form import coordinates_form
-from flexmb.motion.loop import measuring
+from flexmb.motion.loop import controlled_form
 
 STEEL = fm.Material(E=210e9, G=80e9, rho=7850.0)
 AXES = ("rx", "ry", "rz")
@@ -210,7 +210,7 @@ def test_what_sensors_of_a_rotation_give():
     @fm.jit
     def sensors(model, whence, x, v):
         form = coordinates_form(model.topology, model.parameters)
-        sensors = measuring(model, form, whence)
+        sensors = controlled_form(model, form, whence)
         state = form.state_of(x, v, None)
 
         def measured(u, w):

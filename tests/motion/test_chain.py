@@ -83,7 +83,7 @@ def test_what_the_form_does_not_cover_is_refused_by_name():
 def test_many_beams_take_it_by_themselves_and_few_do_not(monkeypatch):
     model = arm(3)
     assert fm.simulate(model, TIMES, rtol=1e-8).form == "coordinates"
-    monkeypatch.setattr("flexmb.motion.form_choice.NET", 10)
+    monkeypatch.setattr("flexmb.motion.integrator.NET", 10)
     assert fm.simulate(model, TIMES, rtol=1e-7).form == "chain"
     # Fewer coordinates take dense matrices.
     assert fm.simulate(pendulum(2), TIMES, motion={"n0.y": foot}, rtol=1e-8).form == "coordinates"

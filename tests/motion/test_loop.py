@@ -14,7 +14,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb.motion.controlled_form import Feedback
 from flexmb.motion.coordinates_form import coordinates_form
-from flexmb.motion.loop import controlled_form, measuring
+from flexmb.motion.loop import controlled_form
 
 STIFFNESS, MASS = 90.0, 0.4
 TIMES = np.linspace(0, 0.5, 6)
@@ -106,7 +106,7 @@ def test_derivatives_of_what_is_measured():
     def asked(x, v):
         form = coordinates_form(model.topology, model.parameters)
         state = form.state_of(x, v, None)
-        sensors = measuring(model, form, None)
+        sensors = controlled_form(model, form, None)
 
         def by_rates(u, w):
             return sensors.measured(0.0, state._replace(u=u, w=w))
@@ -270,7 +270,7 @@ def test_tangent_of_accelerations_and_reactions_fed_back_at_once():
     @jax.jit
     def both(x):
         form = coordinates_form(model.topology, model.parameters)
-        closed = controlled_form(model, form, Feedback(lambda t, z, y: 0.3 * y[:1] - 0.7 * y[1:]), None)
+        closed = controlled_form(model, form, None, Feedback(lambda t, z, y: 0.3 * y[:1] - 0.7 * y[1:]))
         state = closed.state_of(x, 0.5 * x, None)
         z = jnp.linspace(0.2, 0.9, closed.unknowns)
 

@@ -38,7 +38,7 @@ def net(n: int = 2, m: int = 3):
 
 def large(monkeypatch):
     """Thirty beams count as many."""
-    monkeypatch.setattr("flexmb.motion.form_choice.NET", 10)
+    monkeypatch.setattr("flexmb.motion.integrator.NET", 10)
 
 
 @pytest.mark.slow

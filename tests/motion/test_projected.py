@@ -10,8 +10,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb.motion.coordinates_form import coordinates_form
-from flexmb.motion.projected import Projected
-from flexmb.motion.solver import MotionTerm
+from flexmb.motion.solver import MotionTerm, Projected
 
 
 @pytest.mark.slow
