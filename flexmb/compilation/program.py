@@ -254,7 +254,7 @@ def split_in_stages(function: Callable[..., Sequence[Any]], groups: Sequence[tup
     stages = []
     for i, (members, shape) in enumerate(zip(inputs, shapes, strict=True)):
         before = itertools.chain.from_iterable(carried[:i])
-        stage_program = _program(jaxpr, [*members, *before], steps[i], [*outputs[i], *carried[i]])
+        stage_program = jaxpr.replace(invars=[*members, *before], eqns=steps[i], outvars=[*outputs[i], *carried[i]])
         stages.append(_evaluation(stage_program, program.consts, jax.tree.structure((shape, tuple(carried[i])))))
     return stages
 
@@ -272,10 +272,6 @@ def _evaluation(jaxpr: Jaxpr, constants: Any, results: Any) -> Callable[..., Any
         return jax.tree.unflatten(results, jax.core.eval_jaxpr(jaxpr, constants, *jax.tree.leaves(arguments)))
 
     return function
-
-
-def _program(jaxpr: Jaxpr, inputs: list, equations: list, results: list):
-    return jaxpr.replace(invars=inputs, eqns=equations, outvars=results)
 
 
 def _variables(atoms: Any) -> list:

@@ -49,11 +49,6 @@ class Kinks(Record):
     elements: tuple[PreparedBlock, ...]
     every: bool = static(default=True)
 
-    def none(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "k"]:
-        """Zero for each function."""
-        like: Any = jax.eval_shape(_forces, self, t, state)
-        return jnp.zeros(like.shape)
-
     def within(
         self,
         times: tuple[Float[Array, ""], Float[Array, ""]],
@@ -165,7 +160,7 @@ class KinkSearch(NamedTuple):
 
 def search_of(kinks: Kinks | None, t: Float[Array, ""], state: MotionState) -> KinkSearch:
     """Search at the start of a motion."""
-    sizes = jnp.zeros(0) if kinks is None else kinks.none(t, state)
+    sizes = jnp.zeros(0 if kinks is None else jax.eval_shape(_forces, kinks, t, state).shape)
     return KinkSearch(jnp.asarray(-jnp.inf), jnp.asarray(jnp.inf), sizes, sizes, jnp.asarray(False))
 
 

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import jax.numpy as jnp
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Array, Float
 
 from ..linear.linearize import Matrices, Rates
 from ..math.indices import put
@@ -31,19 +31,9 @@ class DynamicBalance(NamedTuple):
     tangent: Transfer
 
     @property
-    def DFx(self) -> Float[Array, "n_x n_q"]:
-        """First-order transfer function of the coordinates."""
-        return self.tangent.DFx
-
-    @property
     def residual(self) -> Float[Array, "n_q"]:
         """Force out of balance along each degree of freedom."""
         return self.tangent.DFe.T @ self.sigma - self.tangent.DFx.T @ self.force
-
-    @property
-    def regular(self) -> Bool[Array, ""]:
-        """Whether the degrees of freedom determine the configuration here."""
-        return self.tangent.regular
 
 
 def dynamic_balance(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) -> DynamicBalance:
@@ -67,7 +57,7 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     top, parameters = form.topology, form.parameters
     x, v, a, last_strain = moving
     at = dynamic_balance(form, t, moving)
-    tangent, z, sigma, jacobian = at.tangent, at.DFx, at.sigma, at.jacobian
+    tangent, z, sigma, jacobian = at.tangent, at.tangent.DFx, at.sigma, at.jacobian
     drive = form.drive(t)
     factors = LoadFactors(1.0, drive.increment)
     by_x = force_derivatives(form.elements, moving, None, lambda e, ed: sigma)
@@ -92,7 +82,7 @@ def moving_matrices(form: CoordinatesForm, t: Float[Array, ""], moving: Moving) 
     finite = jnp.all(jnp.isfinite(m0)) & jnp.all(jnp.isfinite(k0 + n0 + g0)) & jnp.all(jnp.isfinite(c0))
     # Without mass the acceleration is unknown, and with it all that follows.
     result = jnp.where(finite, RESULTS.successful, RESULTS.singular_mass)
-    result = jnp.where(at.regular, result, RESULTS.singular_configuration)
+    result = jnp.where(tangent.regular, result, RESULTS.singular_configuration)
     reactions = put(jnp.zeros(top.n_x), constrained, (jacobian.T @ sigma - at.force)[constrained])
     matrices = Matrices(
         M0=m0,

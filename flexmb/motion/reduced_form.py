@@ -87,9 +87,10 @@ class ReducedForm(Record):
         """Second rates of the degrees of freedom over their sizes, and whether all motions carry mass."""
         moving = self.everything(t, state, jnp.zeros(self.size))
         at = dynamic_balance(self.form, t, moving)
-        mass = at.DFx.T @ mass_matrix(self.form.topology, self.form.parameters, moving.x) @ at.DFx
+        along = at.tangent.DFx
+        mass = along.T @ mass_matrix(self.form.topology, self.form.parameters, moving.x) @ along
         mass = self.sizes[:, None] * mass * self.sizes
-        return factorise(mass).solve(-at.residual * self.sizes), self.regular(mass) & at.regular
+        return factorise(mass).solve(-at.residual * self.sizes), self.regular(mass) & at.tangent.regular
 
     def gap(self, t: Float[Array, ""], state: MotionState):
         """No constraints have multipliers."""

@@ -33,11 +33,20 @@ from .drive import Driven
 from .drives_by_name import Drives, driven_by, jump_times
 from .events import as_it_is, check_at_start, conditions_of
 from .full_turns import warn_of_full_turns
-from .integrate import Integrated, Problem, Reached, begin, integrate, integrate_sampled, soon_after
+from .integrate import (
+    Integrated,
+    Problem,
+    Reached,
+    begin,
+    integrate,
+    integrate_in_parts,
+    integrate_sampled,
+    sampled_intervals,
+    soon_after,
+)
 from .integrator import Integrator, check_form, chosen_form
 from .loop import Loop, as_feedback, with_functions, with_reference_as_function
 from .motion import Motion
-from .parts import integrate_in_parts, sampled_intervals
 from .protocol import MotionState
 from .start import Start, begins_still, driving, warn_of_start
 from .sudden import sudden_changes

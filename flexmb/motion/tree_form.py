@@ -270,7 +270,9 @@ class TreeForm(CoordinatesForm):
                 for block, derived in block_derivatives
                 if derived.e is not None
             ]
-            by_e += [(beams.e, _coefficients_along(to, beams.c)) for beams in self.beams if beams.e.shape[1]]
+            # Of deformations that are coordinates.
+            columns = ((0, 0), (0, 0), (2 * n, 0))
+            by_e += [(beams.e, jnp.pad(to.x[beams.c], columns)) for beams in self.beams if beams.e.shape[1]]
             every = jnp.zeros((self.topology.n_e, 3 * n))
             for e, block_rows in by_e:
                 every = accumulate(every, e, block_rows)
@@ -328,12 +330,6 @@ def _rows_along(to: _Carried, x: Int[Array, "elements c"], rows: tuple[Array, Ar
         v, a = to.v[x], to.a[x]
         products = products[0] + 2 * dd @ v + d @ a, products[1] + 2 * d @ v, products[2]
     return jnp.concatenate(products, axis=2)
-
-
-def _coefficients_along(to: _Carried, c: Int[Array, "beams c"]):
-    """:func:`_rows_along` of deformations that are coordinates."""
-    none = jnp.zeros((*c.shape, 2 * to.x.shape[1]))
-    return jnp.concatenate([none, to.x[c]], axis=2)
 
 
 def tree_form(form: CoordinatesForm, tree: Tree) -> TreeForm:
