@@ -33,12 +33,11 @@ from .evaluate import (
     layout_of,
     named_answers,
 )
-from .lockstep import in_lockstep
 from .possible import refusal_of_designs
 from .problem import TuningProblem, make_problem
 from .scaling import Scaling
 from .scatter import Scatter, refuse_two_values
-from .search import Attempt, Kernel, search_from
+from .search import Attempt, Kernel, in_lockstep, search_from
 from .sensitivities import REVERSE_COST
 from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
 from .tuned import Combination, Tuned
