@@ -2797,14 +2797,14 @@ FAULTS = [
     ),
     Fault("design/checkpoint.py", "self.file.seek(good)", "pass", "design/test_checkpoint.py"),
     Fault(
-        "design/stored.py",
+        "design/checkpoint.py",
         "codes[computed], stored",
         "codes[: len(computed)] + 1, stored",
         "design/test_checkpoint.py -k load",
     ),
-    Fault("design/stored.py", "max(len(along), 1)", "1", "design/test_sweep.py -k saved_sweep"),
+    Fault("design/checkpoint.py", "max(len(along), 1)", "1", "design/test_sweep.py -k saved_sweep"),
     Fault(
-        "design/front.py", "no_worse &= a[:, None] <= b", "no_worse &= a[:, None] < b", "design/test_sweep.py -k front"
+        "design/swept.py", "no_worse &= a[:, None] <= b", "no_worse &= a[:, None] < b", "design/test_sweep.py -k front"
     ),
     Fault(
         "design/swept.py",
@@ -2878,7 +2878,7 @@ FAULTS = [
         "np.any(dependence, axis=0)",
         "design/test_tune.py -k combination",
     ),
-    Fault("design/choices.py", "if count > MOST:", "if False:", "design/test_tune.py -k choices_that"),
+    Fault("design/tuned.py", "if count > MOST:", "if False:", "design/test_tune.py -k choices_that"),
     Fault(
         "design/stroke.py", "at.sigma[index] - held", "held.sigma[index] - at", "design/test_verdict.py -k deformation"
     ),
@@ -3106,7 +3106,7 @@ FAULTS = [
         "asarray(2 * ratio, float), (n,)",
         "test_jobs.py -k stage",
     ),
-    Fault("design/front.py", "candidates[~worse.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
+    Fault("design/swept.py", "candidates[~worse.any(axis=0)]", "candidates", "design/test_sweep.py -k front_of_many"),
     Fault("cli.py", "{option} takes NAME=NUMBER", "{option} takes NAME", "test_jobs.py -k misused"),
     # Results asked by name.
     Fault("statics/solve.py", "at.force - weight(", "at.force + weight(", "model/test_by_name.py -k reactions_of"),

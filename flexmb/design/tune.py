@@ -18,8 +18,6 @@ from ..errors import AnalysisError, first_line, printable, warn
 from ..numerical_limits import AT_BOUND
 from ..progress import reporting
 from ..results import RESULTS
-from .choices import Options, combinations, options_of
-from .curve import Curve
 from .designs import float_array
 from .evaluate import (
     REFUSED,
@@ -34,13 +32,13 @@ from .evaluate import (
     named_answers,
 )
 from .possible import refusal_of_designs
-from .problem import TuningProblem, make_problem
+from .problem import Curve, TuningProblem, make_problem
 from .scaling import Scaling
 from .scatter import Scatter, refuse_two_values
 from .search import Attempt, Kernel, in_lockstep, search_from
 from .sensitivities import REVERSE_COST
 from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
-from .tuned import Combination, Tuned
+from .tuned import Combination, Options, Tuned, combinations, options_of
 
 # Names in a history, beside the names of dimensions and answers.
 RESERVED = ("objective", "violation")
