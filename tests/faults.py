@@ -1545,7 +1545,7 @@ FAULTS = [
         slow=True,
     ),
     Fault(
-        "design/possible.py",
+        "design/evaluate.py",
         "impossible |= ~fine & fine[0]",
         "impossible |= ~fine & ~fine[0]",
         "design/test_possible.py -k block",
@@ -2157,7 +2157,7 @@ FAULTS = [
         slow=True,
     ),
     Fault("design/evaluate.py", "({frames[-1].line})", "({frames[0].line})", "design/test_sweep.py -k by_its_line"),
-    Fault("design/possible.py", ", traceable(subject_of(build)):", ":", "design/test_sweep.py -k by_its_line"),
+    Fault("design/evaluate.py", ", traceable(subject_of(build)):", ":", "design/test_sweep.py -k by_its_line"),
     Fault(
         "design/search.py",
         "if not problem.only_targets and (missed",
@@ -4290,7 +4290,7 @@ FAULTS = [
         "identification/test_fit_study.py -k override",
     ),
     Fault(
-        "identification/uneven.py",
+        "identification/fit.py",
         "np.abs(differences) / np.sqrt(remaining), sizes",
         "differences / np.sqrt(remaining), sizes",
         "identification/test_uneven.py -k proportion",
@@ -4325,7 +4325,7 @@ FAULTS = [
         "hungarian_algorithm(alike)",
         "identification/test_measurements.py",
     ),
-    Fault("identification/undetermined.py", "^{-change[i]", "^{change[i]", "identification/test_fit.py -k combination"),
+    Fault("identification/problem.py", "^{-change[i]", "^{change[i]", "identification/test_fit.py -k combination"),
     Fault(
         "identification/response_data.py",
         "-2 * np.pi * places",
@@ -4969,7 +4969,7 @@ FAULTS = [
         "design/test_scatter.py -k questions",
     ),
     Fault(
-        "design/front_by_searches.py",
+        "design/robust.py",
         "**{against: (None, float(level))}",
         "**{against: (None, np.inf)}",
         "design/test_scatter.py -k front",

@@ -4,11 +4,11 @@ from .designs import Designs as Designs
 from .designs import grid as grid
 from .designs import latin_hypercube as latin_hypercube
 from .designs import monte_carlo as monte_carlo
-from .front_by_searches import robust_front as robust_front
 from .lean import Lean as Lean
 from .leanness import too_lean as too_lean
 from .problem import Curve as Curve
 from .robust import Robustness as Robustness
+from .robust import robust_front as robust_front
 from .robust import robustness as robustness
 from .scatter import Scatter as Scatter
 from .sensitivities import Sensitivities as Sensitivities

@@ -1,4 +1,4 @@
-"""The computed part of a sweep, in a file that grows by one record a chunk.
+"""The computed part of a sweep, in a file that grows by one record a chunk; saved sweeps, read again.
 
 The file begins with its format, a record about the sweep, and a record with the designs. Every chunk adds a record: a
 head with length and checksums, then named arrays (names, types and shapes as JSON, and the numbers). A kill leaves at

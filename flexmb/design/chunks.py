@@ -15,8 +15,7 @@ from ..build.carry import carried_choices
 from ..compilation.by_meaning import jit
 from ..compilation.threads import cores, in_threads
 from ..results import ANSWERED, RESULTS
-from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely
-from .possible import refusal_of_designs
+from .evaluate import REFUSED, Build, build_once, evaluate, evaluate_concretely, refusal_of_designs
 
 # The process that imported this module; a fork has another number.
 _IMPORTED_BY = os.getpid()

@@ -20,7 +20,7 @@ from ..model.model import Model
 from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
 from ..questions.question import asked
 from .designs import float_array
-from .deviation import Deviation, Response, deviation, in_band, largest_deviation, response
+from .leanness import Deviation, Response, check_question, deviation, in_band, largest_deviation, response
 
 # Beams of a leaf spring in the full model.
 FINEST = 4
@@ -273,20 +273,6 @@ def _tell_beyond_scatter(against: Mapping[str, float]) -> None:
             f"The lean model differs from the full model by more than half of the scatter in {listed_names}. Lower"
             " `tolerance`."
         )
-
-
-def check_question(model: Model | None, bandwidth: float, tolerance: float, nodes: Sequence[str]) -> None:
-    """Raise ModelError if bandwidth or tolerance is not positive, or a node does not exist."""
-    for name, value in (("bandwidth", bandwidth), ("tolerance", tolerance)):
-        try:
-            check_number(name, value, above=0)
-        except (TypeError, ValueError) as fault:
-            raise ModelError(str(fault)) from None
-    if isinstance(nodes, str) or not isinstance(nodes, Iterable):
-        raise ModelError(f"Argument `nodes` must be a list of names, such as ['top'], not {short_repr(nodes)}.")
-    for node in nodes:
-        if model is not None and not model.labels.coordinates(node):
-            raise ModelError(f"Argument `nodes`: the model has no node '{printable(node)}'.")
 
 
 def _decide(model: Model, states: list[Linearization], kept_motions: list[np.ndarray], tolerance: float, same: float):

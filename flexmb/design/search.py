@@ -1,4 +1,4 @@
-"""The search: an augmented Lagrangian around a method that keeps bounds, or least squares."""
+"""Searches, also several at once: an augmented Lagrangian around a method that keeps bounds, or least squares."""
 
 import dataclasses
 import threading
@@ -79,11 +79,11 @@ def search_from(
     progress: Callable[[int, float, float], None] | None = None,
 ) -> Attempt:
     """Search from one start."""
-    return _Search(problem, kernel, of_unit, refused, optimizer, tolerance, budget, progress).attempt(start)
+    return _TuningSearch(problem, kernel, of_unit, refused, optimizer, tolerance, budget, progress).attempt(start)
 
 
 @dataclasses.dataclass
-class _Search:
+class _TuningSearch:
     """One search: answers and derivatives with a budget, a history, and a memory of the last design."""
 
     problem: TuningProblem

@@ -21,7 +21,6 @@ from .scatter import Scatter
 from .statistics import YIELD
 from .study import Study
 from .study_parts import Called, FromFile, NamedAnswer, function_of, sha256_of
-from .study_scatter import as_percentiles, check_samples, check_statistic, scatter_of
 from .study_values import (
     Kind,
     as_choice,
@@ -29,10 +28,14 @@ from .study_values import (
     as_number,
     as_numbers,
     as_pair,
+    as_percentiles,
     as_positive,
     as_share,
     as_text,
+    check_samples,
+    check_statistic,
     checked_table,
+    scatter_of,
     whole_kind,
 )
 

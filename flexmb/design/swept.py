@@ -1,4 +1,4 @@
-"""Answers of many designs, and the best of them."""
+"""Answers of many designs, and the best of them: their Pareto front."""
 
 import dataclasses
 import os

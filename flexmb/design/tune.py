@@ -30,10 +30,9 @@ from .evaluate import (
     flat_function,
     layout_of,
     named_answers,
+    refusal_of_designs,
 )
-from .possible import refusal_of_designs
-from .problem import Curve, TuningProblem, make_problem
-from .scaling import Scaling
+from .problem import Curve, Scaling, TuningProblem, make_problem
 from .scatter import Scatter, refuse_two_values
 from .search import Attempt, Kernel, in_lockstep, search_from
 from .sensitivities import REVERSE_COST

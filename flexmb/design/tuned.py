@@ -1,4 +1,4 @@
-"""A tuned design, and the result of every combination of choices."""
+"""A tuned design, the combinations of choices, and the result of each combination."""
 
 import dataclasses
 import itertools

@@ -7,4 +7,4 @@ from .measurement import Measured as Measured
 from .modal_data import ModalData as ModalData
 from .modal_data import modes_of_response as modes_of_response
 from .posterior import Posterior as Posterior
-from .undetermined import Undetermined as Undetermined
+from .problem import Undetermined as Undetermined

@@ -8,17 +8,15 @@ import numpy as np
 
 from ..arguments import check_number, check_whole
 from ..design.designs import float_array
-from ..design.evaluate import Answers, named_answers
-from ..design.possible import refusal_of_designs
+from ..design.evaluate import Answers, named_answers, refusal_of_designs
 from ..display import Result, Summary
 from ..errors import printable
 from ..numerical_limits import OUTLIER, PART_IN_COMBINATION
 from ..results import RESULTS
 from .measurement import Measured, in_deviations, measurements
 from .posterior import Posterior, sampled_posterior
-from .problem import FitProblem, prediction_of, weighted_slopes
+from .problem import FitProblem, Undetermined, directions, prediction_of, weighted_slopes
 from .repeated import repeated
-from .undetermined import Undetermined, directions
 
 
 @dataclasses.dataclass(frozen=True, repr=False)

@@ -34,7 +34,7 @@ from ..mechanics.stress_resultants import free_deformations, is_nonlinear, nonli
 from ..model.by_name import ByName
 from ..model.model import Labels, Model
 from ..numerical_limits import SAME_TIME
-from ..questions.over_states import Along
+from ..questions.question import Along
 from ..results import outcome_text
 from .chain_form import chain_form
 from .coordinates_form import coordinates_form

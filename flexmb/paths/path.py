@@ -31,7 +31,7 @@ from ..model.topology import Topology
 from ..numerical_limits import NO_LOAD, SMALL_IMPERFECTION
 from ..progress import reporting
 from ..questions.frequency import frequencies_along
-from ..questions.over_states import Along
+from ..questions.question import Along
 from ..results import RESULTS
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import check_stiffness

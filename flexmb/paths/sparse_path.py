@@ -14,7 +14,7 @@ from ..linear.sparse_poles import is_steady
 from ..mechanics.inertia import InertialLoad
 from ..model.by_name import ByName
 from ..model.model import Model
-from ..questions.over_states import Along
+from ..questions.question import Along
 from ..results import RESULTS
 from ..statics.sparse import acting
 from .critical import CriticalPoint

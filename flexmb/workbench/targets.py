@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..design.evaluate import layout_of
-from ..design.problem import make_problem
-from ..design.scaling import Scaling
+from ..design.problem import Scaling, make_problem
 from ..design.search import search_from
 from ..display import listed
 from ..errors import ModelError, heard, printable

@@ -10,8 +10,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.blocks import cross_pivot, notch_hinge
-from flexmb.design.evaluate import build_once
-from flexmb.design.possible import refusal_of_designs
+from flexmb.design.evaluate import build_once, refusal_of_designs
 from flexmb.elements.element import Element
 
 T = mechanisms.THICKNESS

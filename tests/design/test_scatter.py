@@ -12,7 +12,7 @@ from scipy.stats import norm, triang, uniform
 import flexmb as fm
 from flexmb import planar
 from flexmb.design.evaluate import build_once, layout_of
-from flexmb.design.front_by_searches import robust_front
+from flexmb.design.robust import robust_front
 from flexmb.design.scatter import correlation_root, moments
 from flexmb.design.statistics import Statistic, sampled_of, smooth_yield, statistic_value
 

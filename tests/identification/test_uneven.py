@@ -8,7 +8,7 @@ from cases.mechanisms import cart_on_rod
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.identification.uneven import ratio_of_scatter
+from flexmb.identification.fit import ratio_of_scatter
 
 MASS, STIFFNESS, DAMPING = 2.0, 200.0, 1.0
 BOUNDS = {"stiffness": (20, 2000), "damping": (0.01, 10)}
