@@ -2165,7 +2165,7 @@ FAULTS = [
         "design/test_tune.py -k wishes",
     ),
     Fault("spacar/read.py", "if free and ", "if not free and ", "spacar/test_read.py -k test_warning"),
-    Fault("design/stroke.py", "int(indices[number - 1]) if", "int(indices[-number]) if", "test_cli.py -k by_its"),
+    Fault("design/stroke.py", "int(indices[int(number) - 1])", "int(indices[-int(number)])", "test_cli.py -k by_its"),
     Fault("cli.py", 'f"{warnings}{text}"', 'f"{text}"', "design/test_study.py -k warnings_stand"),
     Fault(
         "motion/moving_matrices.py",

@@ -14,7 +14,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -220,14 +220,8 @@ def _unpacked(content: bytes) -> Arrays:
     return arrays
 
 
-class Contents(NamedTuple):
-    """A sweep in a file: answers are (designs, ...), codes (designs,); ``planned`` counts all designs of the sweep."""
-
-    designs: Designs
-    answers: dict[str, np.ndarray]
-    codes: np.ndarray
-    units: dict[str, str]
-    planned: int
+# Designs, answers (designs, ...), codes (designs,), units, and the number of all designs of the sweep.
+Contents = tuple[Designs, dict[str, np.ndarray], np.ndarray, dict[str, str], int]
 
 
 def read_sweep(path: str | os.PathLike) -> Contents:
@@ -257,7 +251,7 @@ def _of_checkpoint(stored: Stored) -> Contents:
     if len(computed) < count:
         designs = Designs({name: values[computed] for name, values in designs.items()})
         answers = {name: values[computed] for name, values in answers.items()}
-    return Contents(designs, answers, codes[computed], stored.units, count)
+    return designs, answers, codes[computed], stored.units, count
 
 
 def _arrays(content: bytes) -> dict[str, np.ndarray]:
@@ -287,4 +281,4 @@ def _of_arrays(arrays: dict[str, np.ndarray]) -> Contents:
         raise ValueError("codes that no result has")
     flat = {name: array.reshape(len(codes), *array.shape[max(len(along), 1) :]) for name, array in shaped.items()}
     designs = Designs({name: flat.pop(name) for name in about["dimensions"]}, axes)
-    return Contents(designs, flat, codes, dict(about["units"]), len(codes))
+    return designs, flat, codes, dict(about["units"]), len(codes)

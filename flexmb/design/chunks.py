@@ -134,7 +134,15 @@ class _Compiled:
     def __init__(self, task: Task, example: dict[str, np.ndarray], threads: int):
         self.task, self.others = task, None
         models = build_once(task.build, example)
-        self.program = jit(_mapped(task.build, task.functions, models, task.together))
+
+        def one(dimensions: dict[str, Any]):
+            with carried_choices(models):
+                return evaluate(task.build, task.functions, dimensions)
+
+        def every(part: dict[str, Any]):
+            return jax.lax.map(one, part, batch_size=task.together if task.together > 1 else None)
+
+        self.program = jit(every)
         self.refused = refusal_of_designs(task.build, models, example)
         self.example, self.threads, self.is_compiled = example, threads, False
 
@@ -170,7 +178,10 @@ class _Compiled:
     def _computed(self, part: Chunk) -> Values:
         refused = self.refused(part.designs)
         # The example replaces designs that cannot be built: their numbers could take long.
-        designs = {n: np.where(_like(refused, a), self.example[n], a) for n, a in part.designs.items()}
+        designs = {
+            name: np.where(refused.reshape(-1, *[1] * (array.ndim - 1)), self.example[name], array)
+            for name, array in part.designs.items()
+        }
         count = len(refused)
         size = -(-count // self.threads)
         rows = [np.arange(first, min(first + size, count)) for first in range(0, count, size)]
@@ -185,22 +196,6 @@ class _Compiled:
         }
         codes = np.concatenate([codes for _, codes in results])[:count]
         return values, np.where(refused, RESULTS.impossible_design, codes)[: part.real].astype(np.int32)
-
-
-def _like(rows: np.ndarray, array: np.ndarray) -> np.ndarray:
-    """Rows with as many axes as an array."""
-    return rows.reshape(-1, *(1,) * (array.ndim - 1))
-
-
-def _mapped(build: Build, functions: dict, models: list, together: int):
-    def one(dimensions: dict[str, Any]):
-        with carried_choices(models):
-            return evaluate(build, functions, dimensions)
-
-    def every(part: dict[str, Any]):
-        return jax.lax.map(one, part, batch_size=together if together > 1 else None)
-
-    return every
 
 
 def _concrete_values(build: Build, functions: dict, part: Chunk) -> Values:

@@ -250,17 +250,15 @@ def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[s
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):
     """A function from one vector of dimensions to one vector of answers and their code, and the layout of answers."""
 
-    def function(flat: Float[Array, "n"]):
+    def named(flat: Float[Array, "n"]):
         with carried_choices(models):
-            values, code = evaluate(build, answers, layout.split(flat))
+            return evaluate(build, answers, layout.split(flat))
+
+    def function(flat: Float[Array, "n"]):
+        values, code = named(flat)
         return jnp.concatenate([jnp.ravel(v) for v in values.values()]), code
 
-    def shapes(flat: Float[Array, "n"]):
-        with carried_choices(models):
-            return evaluate(build, answers, layout.split(flat))[0]
-
-    size = sum(layout.sizes)
-    of_answers = jax.eval_shape(shapes, jax.ShapeDtypeStruct((size,), float))
+    of_answers, _ = jax.eval_shape(named, jax.ShapeDtypeStruct((sum(layout.sizes),), float))
     return function, layout_of({name: of_answers[name] for name in answers})
 
 
@@ -269,9 +267,10 @@ def refusal_of_designs(
 ) -> Callable[[Mapping[str, Any]], np.ndarray]:
     """Return a function from many designs to whether a concrete build would refuse each design, (designs,).
 
-    A traced build cannot check its numbers: it would compute a frequency for a negative thickness. A program, traced from the build, computes the numbers of the models and the conditions on arguments of blocks and
-    sections (:func:`flexmb.arguments.noting`). The host then checks that all numbers are finite and runs the checks of
-    sections and elements. It ignores each check that finds a fault in the example, which was built.
+    A traced build cannot check its numbers: it would compute a frequency for a negative thickness. A program, traced
+    from the build, computes the numbers of the models and the conditions on arguments of blocks and sections
+    (:func:`flexmb.arguments.noting`). The host then checks that all numbers are finite and runs the checks of sections
+    and elements. It ignores each check that finds a fault in the example, which was built.
     """
 
     def numbers(dimensions: dict[str, Any]):

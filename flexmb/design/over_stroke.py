@@ -17,7 +17,6 @@ from ..elements import spatial
 from ..elements.nodes import ROTATION3
 from ..errors import AnalysisError, ModelError, heard
 from ..linear.compliance import compliance
-from ..linear.linearize import Linearization
 from ..linear.modes import frequencies
 from ..linear.stress import Location, Stress, stress
 from ..math.linear import factorise, is_positive_definite
@@ -184,7 +183,7 @@ class StrokeQuestions:
 
     def stable(self, how: str) -> np.ndarray:
         """Whether it is stable at each stroke, "held" or "free", (states,)."""
-        return np.array([bool(_stands(getattr(self.at[s], how))) for s in sorted(self.at)])
+        return np.array([bool(_is_positive(getattr(self.at[s], how).matrices.K)) for s in sorted(self.at)])
 
     def numbers_at(self, model: Model, stroke: float, names: list[str]) -> Any:
         """Numbers at a stroke of a model that may be traced, (names,)."""
@@ -250,11 +249,6 @@ def _displacements(
     return list(jnp.concatenate(moved))
 
 
-def _stands(lin: Linearization) -> Any:
-    """Whether the stiffness is positive definite."""
-    return _is_positive(lin.matrices.K)
-
-
 @jit
 def _is_positive(k: Float[Array, "n n"]) -> Bool[Array, ""]:
     return is_positive_definite((k + k.T) / 2)
@@ -265,7 +259,7 @@ def _buckling(at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
     if any(block.element.force is not None for block in at.free.model.topology.blocks):
         raise ModelError("follower loads have no load multiplier: use fm.path")
     least = jnp.array(jnp.inf) if at.margins is None else at.margins[0]
-    return {"buckling": jnp.where(_stands(at.held), least, 0.0)}
+    return {"buckling": jnp.where(_is_positive(at.held.matrices.K), least, 0.0)}
 
 
 def unit_of_curve(name: str, of_stroke: str) -> str:

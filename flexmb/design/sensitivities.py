@@ -160,7 +160,7 @@ def _derivatives(function: Callable[..., Any], mode: str, second_order: bool):
 
     def everything(flat: Float[Array, "n"]):
         if not second_order:
-            slopes, (value, code) = differentiate(twice, has_aux=True)(flat)
+            _, (value, slopes, code) = once(flat)
             return value, slopes, None, code
         curvatures, (value, slopes, code) = jax.jacfwd(once, has_aux=True)(flat)
         return value, slopes, curvatures, code

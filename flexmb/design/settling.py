@@ -55,7 +55,8 @@ def settling_time(
     a, z0, c = (jnp.asarray(part, float) for part in (matrix, start, output))
     times = horizon * np.arange(samples + 1) / samples
     a, z0, c = _balanced(a, z0, c)
-    onward = _exponential(a * times[1])
+    exponential = partial(jax.scipy.linalg.expm, max_squarings=SQUARINGS)
+    onward = exponential(a * times[1])
     _, z = jax.lax.scan(lambda z, _: (onward @ z, z), z0, length=samples + 1)
     y = jax.lax.stop_gradient(z @ c)
     # This also counts overflowed numbers as outside.
@@ -68,7 +69,7 @@ def settling_time(
     for i in range(4):
         # The last steps carry the derivatives.
         t = jnp.clip(t if i > 4 - DIFFERENTIATED else jax.lax.stop_gradient(t), begin, end)
-        at = _exponential(a * (t - begin)) @ z[last]
+        at = exponential(a * (t - begin)) @ z[last]
         rate = side * (c @ a @ at)
         t = t - (side * (c @ at) - level) / jnp.where(rate == 0, 1.0, rate)
     t = jnp.where(jnp.any(outside), t, 0.0)
@@ -76,11 +77,6 @@ def settling_time(
     # An overflow does not settle. The result is NaN only if the input has a NaN.
     unknown = jnp.isnan(level) | jnp.any(jnp.isnan(jnp.concatenate([a.ravel(), z0, c])))
     return jnp.where(unknown, jnp.nan, t)
-
-
-def _exponential(a: Float[Array, "n n"]) -> Float[Array, "n n"]:
-    """Return exp(a), also for stiff matrices, by up to SQUARINGS halvings."""
-    return jax.scipy.linalg.expm(a, max_squarings=SQUARINGS)
 
 
 def _balanced(a: Float[Array, "n n"], z: Float[Array, "n"], c: Float[Array, "n"]) -> tuple[Any, Any, Any]:

@@ -103,26 +103,17 @@ class StrokeDrive:
         constrained = linearize(driven, increment=stroke, throw=throw)
         free, factors = with_values(self.free, without, None), load_factors(1.0, stroke)
         structure = self.held, driven.parameters, factors
-        released = _let_go(
+        matrices, *others = _let_go(
             self.free, free.parameters, structure, constrained.matrices, jnp.asarray(self.index), of=self.kind
         )
-        return AtStroke(
-            constrained, Linearization(released.matrices, free), released.force, released.stiffness, released.margins
-        )
-
-
-class _LetGo(NamedTuple):
-    matrices: Matrices
-    force: Float[Array, ""]
-    stiffness: Float[Array, ""]
-    margins: Float[Array, "n_q"] | None
+        return AtStroke(constrained, Linearization(matrices, free), *others)
 
 
 @jit
 def _let_go(
     topology: Topology, parameters: Parameters, structure: Any, held: Matrices, index: Array, *, of: str
-) -> _LetGo:
-    """The held state in the structure in which the driven coordinate is a degree of freedom."""
+) -> tuple[Matrices, Array, Array, Array | None]:
+    """Matrices with the driven coordinate as a degree of freedom; force, stiffness and margins of :class:`AtStroke`."""
     factors, last_strain, loads = load_factors(1.0, 0.0), jax.lax.stop_gradient(held.e), parameters.loads
     at, force = state(topology, parameters, factors, held.x, last_strain), held.reactions[index]
     if of == "e":
@@ -137,7 +128,7 @@ def _let_go(
     stiffness = 1 / (row @ factorise(matrices.K).solve(row))
     more = Loads(loads.force, loads.gravity, loads.prestress, temperature=loads.temperature)
     if not jax.tree.leaves(more):
-        return _LetGo(matrices, force, stiffness, None)
+        return matrices, force, stiffness, None
     # The other loads grow while the drive holds the stroke; buckling concerns the released mechanism.
     structure, numbers, raised = structure
     still = state(structure, numbers, raised, held.x, last_strain)
@@ -145,7 +136,7 @@ def _let_go(
     grown = structure, dataclasses.replace(numbers, increment=more), still
     pencil = scaled_stiffness(topology, again, at, last_strain, grown)
     margins = 1 + multipliers_of(*pencil, unsymmetric=lacks_potential(topology))
-    return _LetGo(matrices, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf)))
+    return matrices, force, stiffness, jnp.sort(jnp.where(margins > 0, margins, jnp.inf))
 
 
 def coordinate_name(entry: Entry) -> str:
@@ -195,19 +186,15 @@ def _without_dofs(model: Model, kind: str, prescribed: np.ndarray) -> Model:
     return dataclasses.replace(model, topology=dataclasses.replace(model.topology, **roles))
 
 
-def _place(model: Model, node: str, number: int) -> int:
-    """Index of a coordinate from its number at the node, as in input files; -1 if there is none."""
-    indices = model.labels.coordinates(node)
-    return int(indices[number - 1]) if 0 < number <= len(indices) else -1
-
-
 def _place_of_name(model: Model, name: str) -> tuple[str, int]:
     place = model.labels.place(name)
     if place is None or getattr(model.labels, place[0])[place[1]].kind == "internal":
         owner, _, number = str(name).rpartition(".")
-        index = _place(model, owner, int(number)) if number.isdecimal() else -1
-        similar = [coordinate_name(model.labels.x[index])] if index >= 0 else []
-        if not number.isdecimal() or not model.labels.coordinates(owner):
+        indices = model.labels.coordinates(owner)
+        # Input files name coordinates by their numbers at the node.
+        is_numbered = number.isdecimal() and 0 < int(number) <= len(indices)
+        similar = [coordinate_name(model.labels.x[int(indices[int(number) - 1])])] if is_numbered else []
+        if not number.isdecimal() or not indices:
             similar = similar or difflib.get_close_matches(str(name), model.labels.names(), 1)
         hint = f"Did you mean '{similar[0]}'?" if similar else _moving_hint(model, str(name))
         raise StrokeError(f"There is no coordinate or deformation '{name}' to drive. {hint}")

@@ -35,6 +35,7 @@ from .study_values import (
     check_samples,
     check_statistic,
     checked_table,
+    naming_key,
     scatter_of,
     whole_kind,
 )
@@ -282,10 +283,8 @@ class StudyReader:
                     f"release is for a model in a file. Release inside the function '{printable(text)}' instead."
                 )
             function = function_of("model", folder, text)
-            try:
+            with naming_key("[parameters]"):
                 check_dimensions(function, tuple(name for name, _ in fixed) + free)
-            except ValueError as fault:
-                raise StudyError(f"[parameters]: {fault}") from None
             return Called(about, text, function, fixed)
         release = as_choice("none", "auto")("release", "none" if release is None else release)
         source = folder / text

@@ -1,7 +1,8 @@
 """Checks of the values in the TOML file of a study, and of its scatter. An error names the key."""
 
+import contextlib
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -53,23 +54,28 @@ def as_numbers(key: str, value: Any) -> Any:
         raise StudyError(f"{key} has lists of different lengths.") from None
 
 
-def whole_kind(least: int = 1, most: float = math.inf) -> Kind:
-    """Return the kind of whole numbers in a range."""
+def kind(expected: str, accepts: Callable[[Any], bool], convert: Callable[[Any], Any] = lambda value: value) -> Kind:
+    """Return the kind of the values that a condition accepts."""
 
-    def check(key: str, value: Any) -> int:
-        if type(value) is not int or not least <= value <= most:
-            to = f" to {most:g}" if most < math.inf else ""
-            raise StudyError(f"{key} must be a whole number from {least}{to}, but is {printable(repr(value))}.")
-        return value
+    def check(key: str, value: Any) -> Any:
+        if not accepts(value):
+            raise StudyError(f"{key} must be {expected}, but is {printable(repr(value))}.")
+        return convert(value)
 
     return check
 
 
-def as_text(key: str, value: Any) -> str:
-    """Return a text of printable letters."""
-    if not isinstance(value, str) or not value.isprintable():
-        raise StudyError(f"{key} must be a text of printable letters, but is {printable(repr(value))}.")
-    return value
+def whole_kind(least: int = 1, most: float = math.inf) -> Kind:
+    """Return the kind of whole numbers in a range."""
+    to = f" to {most:g}" if most < math.inf else ""
+    return kind(f"a whole number from {least}{to}", lambda value: type(value) is int and least <= value <= most)
+
+
+as_text = kind("a text of printable letters", lambda value: isinstance(value, str) and value.isprintable())
+as_node = kind("the name of a node", lambda value: isinstance(value, str | int) and not isinstance(value, bool), str)
+as_flag = kind("true or false", lambda value: isinstance(value, bool))
+as_true = kind("true", lambda value: value is True)
+as_table_of_columns = kind("a table of names of columns", lambda value: isinstance(value, dict))
 
 
 def as_choice(*known: str) -> Kind:
@@ -83,25 +89,11 @@ def as_choice(*known: str) -> Kind:
     return check
 
 
-def as_node(key: str, value: Any) -> str:
-    """Return the name of a node as a text."""
-    if isinstance(value, bool) or not isinstance(value, str | int):
-        raise StudyError(f"{key} must be the name of a node, but is {printable(repr(value))}.")
-    return str(value)
-
-
 def as_pair(key: str, value: Any) -> tuple[float, float]:
     """Return a mean and a positive standard deviation."""
     if not isinstance(value, list) or len(value) != 2:
         raise StudyError(f"{key} must be a list of mean and standard deviation, but is {printable(repr(value))}.")
     return as_number(key, value[0]), as_positive(key, value[1])
-
-
-def as_flag(key: str, value: Any) -> bool:
-    """Return true or false."""
-    if not isinstance(value, bool):
-        raise StudyError(f"{key} must be true or false, but is {printable(repr(value))}.")
-    return value
 
 
 def checked_table(key: str, content: dict[str, Any], schema: Mapping[str, Kind], between: str = ": ") -> dict[str, Any]:
@@ -110,6 +102,15 @@ def checked_table(key: str, content: dict[str, Any], schema: Mapping[str, Kind],
         if name not in schema:
             raise StudyError(f"{key}: there is no '{printable(name)}'. Known keys: {', '.join(schema)}.")
     return {name: schema[name](f"{key}{between}{name}", value) for name, value in content.items()}
+
+
+@contextlib.contextmanager
+def naming_key(key: str) -> Iterator[None]:
+    """Turn a ValueError into a StudyError with its key."""
+    try:
+        yield
+    except ValueError as fault:
+        raise StudyError(f"{key}: {first_line(fault)}") from None
 
 
 def as_spread(key: str, value: Any) -> Any:
@@ -146,10 +147,8 @@ def scatter_of(
         if name not in values:
             raise StudyError(f"{key}: there is no such parameter ({printable(', '.join(values))}).")
         spreads[name] = as_spread(key, value)
-        try:
+        with naming_key(key):
             scatter({name: spreads[name]})
-        except ValueError as fault:
-            raise StudyError(f"{key}: {first_line(fault)}") from None
     pairs = {}
     for first, others in correlated.items():
         key = f"[correlation] {printable(first)}"
@@ -160,26 +159,20 @@ def scatter_of(
         for second, value in others.items():
             pair, key = (first, second), f"[correlation] {printable(first)}.{printable(second)}"
             pairs[pair] = as_number(key, value)
-            try:
+            with naming_key(key):
                 scatter(spreads, correlation=pairs)
-            except ValueError as fault:
-                raise StudyError(f"{key}: {first_line(fault)}") from None
     nominal = {name: values[name] for name in spreads if name not in free}
     made = scatter(spreads, correlation=pairs, nominal=nominal)
-    try:
+    with naming_key("[correlation]"):
         correlation_root(made, layout_of({name: values[name] for name in spreads}))
-    except ValueError as fault:
-        raise StudyError(f"[correlation]: {first_line(fault)}") from None
     return made
 
 
 def check_statistic(key: str, name: str, answers: Iterable[str], tables: Mapping[str, Any]) -> bool:
     """Return whether a name is a statistic of made mechanisms; StudyError if its tables are missing."""
     named = dict.fromkeys(answers)
-    try:
+    with naming_key(key):
         asked = statistic_of(name, named)
-    except ValueError as fault:
-        raise StudyError(f"{key}: {first_line(fault)}") from None
     if (asked is None and name != YIELD) or name in named:
         return False
     for table in ("scatter", *(["acceptable"] if name == YIELD else [])):

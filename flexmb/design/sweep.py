@@ -134,17 +134,13 @@ def sweep(
             if report is not None:
                 report(computed, designs.count)
     results, codes = gathered(designs.count, list(functions), parts)
-    _tell_of_unstable(codes)
-    return Sweep(designs, results, codes, dict(units or {}))
-
-
-def _tell_of_unstable(codes: np.ndarray) -> None:
     unstable = np.flatnonzero(codes == RESULTS.unstable_state)
     if len(unstable):
         warn(
             f"Of {len(codes)} designs {len(unstable)} are at an equilibrium that is not stable (unstable_state in"
             f" `codes`). The first is number {unstable[0]}."
         )
+    return Sweep(designs, results, codes, dict(units or {}))
 
 
 def _meaning(task: Task, designs: Designs, models: list[Model]) -> dict[str, Any]:

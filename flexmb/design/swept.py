@@ -42,8 +42,7 @@ class Sweep(Labelled):
         values = self.answers[name] if name in self.answers else self.designs.get(name)
         if values is None:
             raise KeyError(f"no answer or dimension '{name}'; there are {', '.join((*self.designs, *self.answers))}")
-        lengths = tuple(len(axis) for axis in self.axes.values())
-        return values.reshape(lengths + values.shape[1:]) if self.axes else values
+        return values.reshape(self._lengths + values.shape[1:]) if self.axes else values
 
     def column(self, name: str) -> np.ndarray:
         """Return one number of every design.
@@ -147,6 +146,11 @@ class Sweep(Labelled):
         """Values along each axis of a grid, by name; empty without a grid."""
         return self.designs.axes
 
+    @property
+    def _lengths(self) -> tuple[int, ...]:
+        """Lengths of the axes of a grid; (-1,) without a grid."""
+        return tuple(len(axis) for axis in self.axes.values()) or (-1,)
+
     def failures(self) -> dict[str, int]:
         """Return the number of failed designs by the name of the code."""
         return {RESULTS(c).name: int(np.sum(self.codes == c)) for c in np.unique(self.codes) if c not in ANSWERED}
@@ -157,8 +161,7 @@ class Sweep(Labelled):
         grid = {name: Column((name,), values, self.units.get(name, "")) for name, values in self.axes.items()}
         named = (*(() if self.axes else self.designs), *self.answers)
         columns = {name: Column(along, self[name], self.units.get(name, "")) for name in named}
-        codes = self.codes.reshape(tuple(len(a) for a in self.axes.values()) or (-1,))
-        columns["result"] = Column(along, codes, meaning="code of flexmb.RESULTS")
+        columns["result"] = Column(along, self.codes.reshape(self._lengths), meaning="code of flexmb.RESULTS")
         return Quantities(along, grid, columns)
 
     def save(self, path: str | os.PathLike) -> None:
@@ -172,12 +175,11 @@ class Sweep(Labelled):
             OSError: The folder is missing or not writable.
         """
         arrays = {name: self[name] for name in (*self.designs, *self.answers)}
-        shape = tuple(len(a) for a in self.axes.values()) or (-1,)
         about = {
             "units": self.units, "axes": list(self.axes), "failures": self.failures(),
             "dimensions": list(self.designs), "shapes": {name: array.shape for name, array in arrays.items()},
         }  # fmt: skip
-        save_arrays(path, {**arrays, "codes": self.codes.reshape(shape)}, about)
+        save_arrays(path, {**arrays, "codes": self.codes.reshape(self._lengths)}, about)
 
     @staticmethod
     def load(path: str | os.PathLike) -> "Sweep":

@@ -22,7 +22,9 @@ from ..design.study_values import (
     as_number,
     as_numbers,
     as_positive,
+    as_table_of_columns,
     as_text,
+    as_true,
     checked_table,
     whole_kind,
 )
@@ -60,21 +62,14 @@ def _true_or_numbers(key: str, value: Any) -> list[int] | None:
     return [whole_kind()(key, entry) for entry in value]
 
 
-def _true(key: str, value: Any) -> bool:
-    if value is not True:
-        raise StudyError(f"{key} must be true, but is {printable(repr(value))}.")
-    return True
-
-
 def _name_or_number(key: str, value: Any) -> str | float:
     return as_text(key, value) if isinstance(value, str) else as_number(key, value)
 
 
 def _columns(key: str, value: Any) -> dict[str, str | int]:
-    if not isinstance(value, dict):
-        raise StudyError(f"{key} must be a table of names of columns, but is {printable(repr(value))}.")
     return {
-        n: as_text(f"{key} {n}", v) if isinstance(v, str) else whole_kind()(f"{key} {n}", v) for n, v in value.items()
+        name: as_text(f"{key} {name}", column) if isinstance(column, str) else whole_kind()(f"{key} {name}", column)
+        for name, column in as_table_of_columns(key, value).items()
     }
 
 
@@ -94,7 +89,7 @@ KINDS: dict[str, tuple[dict[str, Kind], tuple[str, ...]]] = {
     ),
     "response": (
         {
-            "response": _true, "hertz": as_numbers, "real": as_numbers, "imaginary": as_numbers,
+            "response": as_true, "hertz": as_numbers, "real": as_numbers, "imaginary": as_numbers,
             "magnitude": as_numbers, "phase": as_numbers, "output": as_text, "input": as_text,
             "loss_factor": _name_or_number, "gain": as_text, "delay": as_text, "logarithmic": as_flag,
         },
@@ -358,22 +353,13 @@ def measured_table(name: str, text: str, answers: Callable[[list[str]], Callable
             raise StudyError(f"{subject} has no column answer or hertz. Its first line must name its columns.")
         with _naming_key(subject):
             return _response(subject, name, _columns_of(subject, cells, {}, columns))
-    (_, header), *rows = cells
-    if not rows:
-        raise StudyError(f"{subject} has no line of numbers.")
-    _check_lengths(subject, header, rows)
-    place = header.index("answer")
-    if short := [i for i, row in rows if place >= len(row)]:
+    place, chosen = cells[0][1].index("answer"), {"value": "value", "deviation": "deviation"}
+    columns = _columns_of(subject, cells, chosen, tuple(chosen))
+    if short := [i for i, row in cells if place >= len(row)]:
         raise StudyError(f"{subject}, line {short[0]}: there is no column {place + 1} for answer.")
-    columns = {key: _column(subject, header, rows, key) for key in ("value", "deviation")}
     with _naming_key(subject):
-        texts = [row[place] for _, row in rows]
+        texts = [row[place] for _, row in cells]
         return measured(answers(texts), columns["value"], columns["deviation"], name=name)
-
-
-def _column(subject: str, header: list[str], rows: list[tuple[int, list[str]]], name: str) -> np.ndarray:
-    place = _place(subject, header, name)
-    return np.array([_cell(subject, i, row, place, name) for i, row in rows])
 
 
 def _check_lengths(what: str, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
