@@ -29,6 +29,8 @@ Build = Callable[..., Any]
 Answer = Callable[[Any], Any] | str
 Answers = Answer | Sequence[Answer] | Mapping[str, Answer]
 
+# Cost of a reverse pass over the cost of a forward pass (benchmarks/first_impression.py).
+REVERSE_COST = 2.0
 # Faults of the numbers of a design.
 REFUSED = (ModelError, SpacarError)
 
@@ -245,6 +247,16 @@ def first_built(build: Build, designs: Mapping[str, np.ndarray]) -> tuple[dict[s
         except REFUSED as fault:
             refused = refused or fault
     raise refused or ModelError("There are no designs.")
+
+
+def with_slopes(function: Callable[..., Any], dimensions: int, answers: int) -> Callable[..., Any]:
+    """A function that returns slopes, and values and code, of a function that returns values and code."""
+
+    def twice(*arguments: Any):
+        values, code = function(*arguments)
+        return values, (values, code)
+
+    return (jax.jacfwd if dimensions <= REVERSE_COST * answers else jax.jacrev)(twice, has_aux=True)
 
 
 def flat_function(build: Build, answers: Mapping[str, Callable[[Any], Any]], layout: Layout, models: list[Model]):

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from ..errors import printable
-from ..numerical_limits import TARGET_OF_TUNE_MET
+from ..numerical_limits import AT_BOUND, TARGET_OF_TUNE_MET
 from .designs import checked_bounds, float_array
 from .evaluate import Layout
 
@@ -101,6 +101,12 @@ def _worst(words: str, parts: Sequence[tuple[Rows, np.ndarray]], tolerance: floa
     named = [(name, value) for name, value in beyond if not abs(value) < least[0]][:NAMED]
     more = [f"{len(beyond) - len(named)} more by less"] if len(beyond) > len(named) else []
     return [f"{name} {words} {100 * value:.3g} %" for name, value in named] + more
+
+
+def asked_names(wanted: Mapping[str, Any]) -> list[Any]:
+    """Names of answers in the arguments of :func:`flexmb.tune`."""
+    objectives = [wanted[sense] for sense in ("minimize", "maximize") if wanted.get(sense) is not None]
+    return objectives + [name for table in ("targets", "limits", "equal") for name in wanted.get(table) or ()]
 
 
 def make_problem(
@@ -281,6 +287,24 @@ class Scaling:
         for name, value, lower, upper in zip(self.layout.labels, flat, self.lower, self.upper, strict=True):
             if not lower <= value <= upper:
                 raise ValueError(f"Start {value:g} of '{name}' is outside its bounds, {lower:g} to {upper:g}.")
+
+    def starts(self, first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
+        """Numbers from 0 to 1 of dimensions, (n,), and of further starts spread over the bounds, ``count`` in all."""
+        from scipy.stats import qmc
+
+        start = self.to_unit(first)
+        others = qmc.LatinHypercube(len(start), rng=np.random.default_rng(seed)) if count > 1 else None
+        return [start, *(others.random(count - 1) if others is not None else [])]
+
+    def at_bounds(self, unit: np.ndarray) -> list[str]:
+        """Dimensions at a bound, in words."""
+        texts = []
+        for name, u, lower, upper in zip(self.layout.labels, unit, self.lower, self.upper, strict=True):
+            if min(u, 1 - u) < AT_BOUND:
+                texts.append(
+                    f"{name} is at its {'lower' if u < 0.5 else 'upper'} bound {lower if u < 0.5 else upper:g}"
+                )
+        return texts
 
     def to_unit(self, flat: np.ndarray) -> np.ndarray:
         """Numbers from 0 to 1, (n,), of dimensions, (n,)."""

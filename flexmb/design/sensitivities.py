@@ -16,10 +16,16 @@ from ..errors import AnalysisError, warn
 from ..files import for_files
 from ..results import NO_DERIVATIVE, RESULTS, check
 from .designs import float_array
-from .evaluate import Answers, Build, build_once, check_dimensions, flat_function, layout_of, named_answers
-
-# Cost of a reverse pass over the cost of a forward pass (benchmarks/first_impression.py).
-REVERSE_COST = 2.0
+from .evaluate import (
+    REVERSE_COST,
+    Answers,
+    Build,
+    build_once,
+    check_dimensions,
+    flat_function,
+    layout_of,
+    named_answers,
+)
 
 
 @dataclasses.dataclass(frozen=True, repr=False)

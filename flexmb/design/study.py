@@ -12,6 +12,7 @@ from ..errors import ModelError, SpacarError, StudyError
 from ..results import RESULTS
 from .designs import MOST, Designs, grid, latin_hypercube, monte_carlo
 from .evaluate import Layout, build_once, flat_function, layout_of
+from .problem import asked_names
 from .robust import SHOWN, Robustness, robustness
 from .scatter import Scatter
 from .statistics import wanted_statistics
@@ -68,9 +69,8 @@ class Study:
         scales: Any = self.scales
         # A search for nominal values alone needs no made mechanisms.
         build = self.build
-        asked = [arguments.get("minimize"), arguments.get("maximize")]
-        asked += [name for table in ("targets", "limits", "equal") for name in arguments.get(table) or ()]
-        if self.scatter is not None and (self.acceptable or any(wanted_statistics(asked, self.answers))):
+        statistics = any(wanted_statistics(asked_names(arguments), self.answers))
+        if self.scatter is not None and (self.acceptable or statistics):
             build = self.build_made
             arguments = {"scatter": self.scatter, "acceptable": self.acceptable, **arguments}
         with naming_study(f"{self.name}: ", UNTRACED):

@@ -15,7 +15,6 @@ from ..arguments import ByName, Count, Positive, WholeFromZero, check_whole, che
 from ..compilation.by_meaning import jit
 from ..compilation.compile import unguarded
 from ..errors import AnalysisError, first_line, printable, warn
-from ..numerical_limits import AT_BOUND
 from ..progress import reporting
 from ..results import RESULTS
 from .designs import float_array
@@ -31,11 +30,11 @@ from .evaluate import (
     layout_of,
     named_answers,
     refusal_of_designs,
+    with_slopes,
 )
-from .problem import Curve, Scaling, TuningProblem, make_problem
+from .problem import Curve, Scaling, TuningProblem, asked_names, make_problem
 from .scatter import Scatter, refuse_two_values
 from .search import Attempt, Kernel, in_lockstep, search_from
-from .sensitivities import REVERSE_COST
 from .statistics import SAMPLES, YIELD, SampledDesign, sampled_of
 from .tuned import Combination, Options, Tuned, combinations, options_of
 
@@ -140,8 +139,9 @@ def tune(
     dimensions = {name: float_array(f"Dimension '{name}'", v) for name, v in dimensions.items()}
     functions, layout = named_answers(answers), layout_of(dimensions)
     options = options_of(choices or {}, layout.names)
-    asked = [name for name in (minimize, maximize) if name is not None]
-    asked += [name for table in (targets, limits, equal) for name in table or ()]
+    requirements = {"minimize": minimize, "maximize": maximize}
+    requirements |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
+    asked = asked_names(requirements)
     sampled = sampled_of(scatter, samples, seed, asked, functions, layout.names, acceptable)
     if sampled is not None:
         refuse_two_values(sampled.scatter, dimensions)
@@ -160,8 +160,6 @@ def tune(
             raise ValueError(
                 f"Arguments `minimize` and `maximize` must be names of answers, not {printable(repr(name))}."
             )
-    requirements = {"minimize": minimize, "maximize": maximize}
-    requirements |= {"targets": targets or {}, "equal": equal or {}, "limits": limits or {}}
     counts = starts, together, seed, tolerance, max_evaluations
     question = _Question(functions, scaling, first, requirements, optimizer, *counts, progress, sampled)
     if options:
@@ -241,20 +239,21 @@ class _Kernel:
     def __init__(
         self, of_unit: Callable[..., Any], refused: Callable[..., Any], start: np.ndarray, asked: np.ndarray, m: int
     ):
-        differentiate: Any = jax.jacfwd if len(start) <= REVERSE_COST * len(asked) else jax.jacrev
-
-        def twice(unit: Float[Array, "n"]):
+        def wanted(unit: Float[Array, "n"]):
             values, code = of_unit(unit)
             return values[asked], (values, code)
 
         self.asked, self.start, self.of_unit, self.refused, self.m = asked, start, of_unit, refused, m
         self.unstable: set[bytes] = set()
         self.left_out = False
-        function = differentiate(twice, has_aux=True)
+        function = with_slopes(wanted, len(start), len(asked))
         self.one, self.several = jit(function), jit(jax.vmap(function))
 
     def __call__(self, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
-        (values,), (slopes,), (code,) = self._of(unit[None], lambda units: jax.tree.map(_first, self.one(units[0])))
+        def one(units: Any) -> Any:
+            return jax.tree.map(lambda array: array[None], self.one(units[0]))
+
+        (values,), (slopes,), (code,) = self._of(unit[None], one)
         return values, slopes, int(code)
 
     def many(self, units: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -264,7 +263,7 @@ class _Kernel:
     def _of(self, units: np.ndarray, call: Callable[..., Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         refused = self.refused(units)
         # The start replaces designs that cannot be built, since their analysis could be slow.
-        asked_slopes, (values, codes) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
+        asked_slopes, (_, (values, codes)) = call(jnp.asarray(np.where(refused[:, None], self.start, units)))
         values, codes = np.array(values), np.where(refused, RESULTS.impossible_design, codes)
         self.left_out |= bool(np.any(codes == RESULTS.other_clamps))
         unstable = codes == RESULTS.unstable_state
@@ -280,7 +279,7 @@ def _searched(
     question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
 ) -> tuple[Tuned, np.ndarray, np.ndarray]:
     """Return the best design of all starts, whether each dimension has no effect, and the answers at the start."""
-    q, scaling, layout = question, question.scaling, question.scaling.layout
+    q = question
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)
     note = "" if q.sampled is None else " Every made mechanism needs one: narrow `scatter`."
@@ -290,11 +289,11 @@ def _searched(
     problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
     ignored = _ignored(problem, kernel, at_start[1], q.seed)
     if alone:
-        _refuse_ignored(layout.labels, ignored, _flat_yield(of_answers, at_start, kernel.asked))
+        _refuse_ignored(q.scaling.layout.labels, ignored, _flat_yield(of_answers, at_start, kernel.asked))
     runs = _attempts(q, problem, kernel)
     limit = 2 * q.tolerance
     best = min(runs, key=lambda run: (not run.answered, run.violation > limit and run.violation, run.objective))
-    tuned = _tuned_of(best, runs, problem, scaling, of_answers, at_start[0], q.tolerance)
+    tuned = _tuned_of(q, best, runs, problem, of_answers, at_start[0])
     _tell(kernel, best)
     curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
     return dataclasses.replace(tuned, curves=curves), ignored, at_start[0]
@@ -322,8 +321,7 @@ def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
         rows = np.stack([to_rows(scaling.to_dimensions(unit)) for unit in units])
         return np.any(of_designs(full_layout.stacked(rows.reshape(-1, rows.shape[-1]))).reshape(len(units), -1), axis=1)
 
-    named = {name for name in (q.wanted["minimize"], q.wanted["maximize"]) if name}
-    named |= {name for table in ("targets", "limits", "equal") for name in q.wanted[table]}
+    named = asked_names(q.wanted)
     asked = np.repeat([name in named for name in of_answers.names], of_answers.sizes)
     kernel = _Kernel(of_unit, refused, scaling.to_unit(q.first), np.flatnonzero(asked), len(asked))
     return kernel, of_answers
@@ -331,7 +329,7 @@ def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:
 
 def _attempts(q: _Question, problem: TuningProblem, kernel: _Kernel) -> list[Attempt]:
     """Search from all starts, one after the other or several at a time."""
-    units = [kernel.start, *_other_starts(q.starts - 1, len(kernel.start), q.seed)]
+    units = q.scaling.starts(q.first, q.starts, q.seed)
     with reporting(q.progress, "evaluations, objective, violation") as report:
 
         def from_start(compute: Kernel, unit: np.ndarray):
@@ -357,10 +355,6 @@ def _tell(kernel: _Kernel, best: Attempt) -> None:
             "The design is at an equilibrium that is not stable: its stiffness is negative in some motion. Exclude such"
             " designs by a limit on fm.buckling_loads(model)[0] or on a frequency, which is negative there."
         )
-
-
-def _first(array: Any) -> Any:
-    return array[None]
 
 
 def _check_start(of_answers: Layout, at_start: Any, note: str) -> None:
@@ -406,40 +400,21 @@ def _refuse_ignored(labels: list[str], ignored: np.ndarray, advice: str = "") ->
         raise ValueError(f"No wanted answer depends on dimension {names}. {advice}")
 
 
-def _other_starts(count: int, n: int, seed: int) -> list[np.ndarray]:
-    if count < 1:
-        return []
-    from scipy.stats import qmc
-
-    return list(qmc.LatinHypercube(n, rng=np.random.default_rng(seed)).random(count))
-
-
 def _tuned_of(
-    best: Attempt,
-    runs: list[Attempt],
-    problem: TuningProblem,
-    scaling: Scaling,
-    of_answers: Layout,
-    start: np.ndarray,
-    tolerance: float,
+    q: _Question, best: Attempt, runs: list[Attempt], problem: TuningProblem, of_answers: Layout, start: np.ndarray
 ) -> Tuned:
-    layout, flat = scaling.layout, np.asarray(scaling.to_dimensions(best.unit))
-    active = []
-    for name, u, lower, upper in zip(layout.labels, best.unit, scaling.lower, scaling.upper, strict=True):
-        if min(u, 1 - u) < AT_BOUND:
-            side, bound = ("lower", lower) if u < 0.5 else ("upper", upper)
-            active.append(f"{name} is at its {side} bound {bound:g}")
+    scaling, layout, active = q.scaling, q.scaling.layout, q.scaling.at_bounds(best.unit)
     if best.answered:
-        reached = np.abs(problem.limits(best.answers)) < 100 * tolerance
+        reached = np.abs(problem.limits(best.answers)) < 100 * q.tolerance
         active += [f"{n} is reached" for n, r in zip(problem.limits.names, reached, strict=True) if r]
     result, reason = best.result, best.reason
-    if result in (RESULTS.infeasible, RESULTS.not_optimal) and (bad := problem.violated(best.answers, 2 * tolerance)):
+    if result in (RESULTS.infeasible, RESULTS.not_optimal) and (bad := problem.violated(best.answers, 2 * q.tolerance)):
         result, reason = RESULTS.infeasible, f"Violated: {', '.join(bad)}."
     rows = np.array([np.asarray(scaling.to_dimensions(u)) for u, _ in best.history])
     values = np.array([a for _, a in best.history])
     history = {
-        **{name: np.moveaxis(v, -1, 0) for name, v in layout.split(rows.T).items()},
-        **{name: np.moveaxis(v, -1, 0) for name, v in of_answers.split(values.T).items()},
+        **layout.stacked(rows),
+        **of_answers.stacked(values),
         "objective": np.array([problem.objective(a) for a in values]),
         "violation": np.array([problem.violation(a) for a in values]),
     }
@@ -448,14 +423,14 @@ def _tuned_of(
         return {name: float(v) if v.ndim == 0 else v for name, v in named.items()}
 
     return Tuned(
-        plain(layout.split(flat)),
+        plain(layout.split(np.asarray(scaling.to_dimensions(best.unit)))),
         plain(of_answers.split(best.answers)),
         plain(of_answers.split(start)),
         result,
         reason,
         tuple(active),
         best.objective,
-        max(best.violation - tolerance, 0.0),
+        max(best.violation - q.tolerance, 0.0),
         history,
         np.array([[run.objective, run.violation] for run in runs]),
     )

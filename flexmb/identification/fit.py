@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..arguments import check_by_name, check_choice, check_whole
+from ..arguments import ByName, Count, WholeFromZero, checked
 from ..compilation.compile import unguarded
 from ..design.designs import float_array
 from ..design.evaluate import REFUSED, Build, Layout, check_answer_names, check_dimensions, layout_of
@@ -14,7 +14,6 @@ from ..design.problem import Scaling
 from ..errors import AnalysisError, first_line, printable, warn
 from ..numerical_limits import (
     AS_GOOD,
-    AT_BOUND,
     EXACT_FIT,
     FEWEST_OF_SCATTER,
     IMPLAUSIBLE,
@@ -27,22 +26,21 @@ from .fitted import Fit, scaled_covariance, scaled_deviations
 from .measurement import Measured, check_unit, measurements
 from .problem import GOOD, FitProblem, Prior, Solution, combinations_of, weighted_slopes
 
-LOSSES = ("linear", "huber", "soft_l1", "cauchy")
 
-
+@checked
 @unguarded
 def fit(
     build: Build,
     data: Measured | Sequence[Measured] | Mapping[str, Any],
-    parameters: Mapping[str, Any],
-    bounds: Mapping[str, Any],
+    parameters: ByName,
+    bounds: ByName,
     *,
-    priors: Mapping[str, Any] | None = None,
+    priors: ByName | None = None,
     scales: Mapping[str, Literal["log", "linear"]] | None = None,
-    loss: str = "linear",
-    starts: int = 1,
-    seed: int = 0,
-    max_evaluations: int = 200,
+    loss: Literal["linear", "huber", "soft_l1", "cauchy"] = "linear",
+    starts: Count = 1,
+    seed: WholeFromZero = 0,
+    max_evaluations: Count = 200,
     throw: bool = True,
 ) -> Fit:
     """Fit parameters of a mechanism to measurements, with standard deviations of the parameters.
@@ -83,10 +81,6 @@ def fit(
         Trust-region reflective least squares: Branch, Coleman, Li 1999 (SciPy). Covariance: inverse of J^T J, where J
         contains the derivatives of the differences over standard deviations.
     """
-    for name, argument in (("parameters", parameters), ("bounds", bounds), ("priors", priors or {})):
-        check_by_name(name, argument)
-    check_choice("loss", loss, LOSSES)
-    check_whole("starts", starts, 1)
     items = measurements(data)
     values = {name: float_array(f"Parameter '{name}'", v) for name, v in parameters.items()}
     layout = layout_of(values)
@@ -105,11 +99,9 @@ def fit(
             f"{unknowns} parameters cannot be fitted to {count} values and priors: measure more, add priors, or fix"
             " parameters in `build`."
         )
-    problem = FitProblem(
-        build, of_build, items, scaling, known, first, loss, check_whole("max_evaluations", max_evaluations, 1)
-    )
+    problem = FitProblem(build, of_build, items, scaling, known, first, loss, max_evaluations)
     _check_start(problem)
-    solutions = [problem.solve(unit) for unit in _starts(scaling.to_unit(first), starts, check_whole("seed", seed, 0))]
+    solutions = [problem.solve(unit) for unit in scaling.starts(first, starts, seed)]
     best = min(solutions, key=lambda one: (not one.converged, one.cost))
     fitted = _fit_of(problem, solutions, best, values)
     if throw and fitted.result in (RESULTS.not_optimal, RESULTS.impossible_design):
@@ -156,13 +148,6 @@ def _priors(priors: Mapping[str, Any], layout: Layout) -> dict[int, Prior]:
     return dict(sorted(by_index.items()))
 
 
-def _starts(first: np.ndarray, count: int, seed: int) -> list[np.ndarray]:
-    from scipy.stats import qmc
-
-    others = qmc.LatinHypercube(len(first), rng=np.random.default_rng(seed)).random(count - 1) if count > 1 else []
-    return [first, *others]
-
-
 def _check_start(problem: FitProblem) -> None:
     """Raise for a start without answers, values with a wrong unit, and parameters without effect."""
     unit = problem.scaling.to_unit(problem.first)
@@ -178,8 +163,8 @@ def _check_start(problem: FitProblem) -> None:
     if code not in GOOD:
         raise AnalysisError(RESULTS(code).name, f"The start has no answer. {RESULTS(code).message}")
     if not (np.all(np.isfinite(computed)) and np.all(np.isfinite(slopes))):
-        names = [item.name for item, part in zip(problem.items, problem.parts, strict=True)]
-        bad = [n for n, part in zip(names, problem.parts, strict=True) if not np.all(np.isfinite(slopes[part]))]
+        pairs = zip(problem.items, problem.parts, strict=True)
+        bad = [item.name for item, part in pairs if not np.all(np.isfinite(slopes[part]))]
         text = f"Measurement '{bad[0]}' has no finite value or derivative at the start. Start elsewhere."
         raise AnalysisError(RESULTS.not_finite.name, text)
     ignored = ~np.any(slopes != 0, axis=0)
@@ -197,20 +182,16 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
     slopes = weighted_slopes(rows, slopes, problem.loss)
     known = all(item.scatter is not None for item in problem.items)
     noise = 1.0 if known else float(np.sqrt(np.sum(rows**2) / max(len(rows) - len(unit), 1)))
-    undetermined = combinations_of(problem, unit, slopes, noise or np.finfo(float).tiny)
+    positive_noise = noise or np.finfo(float).tiny
+    undetermined = combinations_of(problem, unit, slopes, positive_noise)
     freedom = len(rows) - len(unit) + len(undetermined)
-    finite, _ = scaled_covariance(slopes, noise or np.finfo(float).tiny)
+    finite, _ = scaled_covariance(slopes, positive_noise)
     change = scaling.slopes(unit)
-    deviations = scaled_deviations(slopes, noise or np.finfo(float).tiny) * change
+    deviations = scaled_deviations(slopes, positive_noise) * change
     flat = scaling.to_dimensions(unit)
     square = float(np.sum(rows**2)) if known else np.nan
     probability = float(chi2.sf(square, freedom)) if known and freedom > 0 else np.nan
     differs = problem.weighted(problem.function(unit)[0] - problem.measured)
-    active = tuple(
-        f"{name} is at its {'lower' if u < 0.5 else 'upper'} bound {bound:g}"
-        for name, u, bound in zip(layout.labels, unit, np.where(unit < 0.5, scaling.lower, scaling.upper), strict=True)
-        if min(u, 1 - u) < AT_BOUND
-    )
     minima = _minima(problem, solutions)
     result, reason = _outcome(best, (square, freedom, probability), minima, len(solutions))
     if result in (RESULTS.poor_fit, RESULTS.not_optimal):
@@ -233,7 +214,7 @@ def _fit_of(problem: FitProblem, solutions: list[Solution], best: Solution, star
         probability,
         noise,
         undetermined,
-        active,
+        tuple(scaling.at_bounds(unit)),
         minima,
         result,
         reason,

@@ -2,11 +2,12 @@
 
 import dataclasses
 from collections.abc import Sequence
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
 
 import numpy as np
 
-from ..arguments import check_number, check_whole
+from ..arguments import Count, WholeFromZero, check_number, check_whole, checked
 from ..design.designs import float_array
 from ..design.evaluate import Answers, named_answers, refusal_of_designs
 from ..display import Result, Summary
@@ -232,7 +233,15 @@ class Fit(Result):
             linear,
         )
 
-    def sample(self, count: int = 1000, *, warmup: int = 500, chains: int = 2, seed: int = 0) -> Posterior:
+    @checked
+    def sample(
+        self,
+        count: Annotated[int, partial(check_whole, least=4)] = 1000,
+        *,
+        warmup: Count = 500,
+        chains: Count = 2,
+        seed: WholeFromZero = 0,
+    ) -> Posterior:
         """Sample the posterior distribution of the parameters, which need not be normal.
 
         Without a prior, a parameter has a uniform density between its bounds, in its logarithm if its scale is
@@ -261,24 +270,7 @@ class Fit(Result):
         """
         if self.problem.loss != "linear":
             raise ValueError(f"The loss '{self.problem.loss}' corresponds to no distribution. Fit with loss='linear'.")
-        for name, value, least in (
-            ("count", count, 4),
-            ("warmup", warmup, 1),
-            ("chains", chains, 1),
-            ("seed", seed, 0),
-        ):
-            check_whole(name, value, least)
-        _, slopes, _ = self.problem.residuals(self.unit)
-        return sampled_posterior(
-            self.problem,
-            self.unit,
-            slopes / (self.noise or 1.0),
-            known=bool(np.isfinite(self.chi_squared)),
-            count=count,
-            warmup=warmup,
-            chains=chains,
-            seed=seed,
-        )
+        return sampled_posterior(self, count, warmup, chains, seed)
 
     def next_measurement(
         self, candidates: Any, *, narrow: str | Sequence[str] | None = None

@@ -98,28 +98,20 @@ class Posterior(Result):
         return Summary(f"Posterior, {len(self.rows)} samples", rows)
 
 
-def sampled_posterior(
-    problem: FitProblem,
-    unit: np.ndarray,
-    slopes: np.ndarray,
-    *,
-    known: bool,
-    count: int,
-    warmup: int,
-    chains: int,
-    seed: int,
-) -> Posterior:
-    """Sample the posterior, starting at the parameters of a fit.
+def sampled_posterior(fit: Any, count: int, warmup: int, chains: int, seed: int) -> Posterior:
+    """Sample the posterior, starting at the parameters of a :class:`flexmb.identification.Fit`.
 
     The coordinates of the sampler are whitened logits of the scaled parameters, which have no bounds.
     """
     mcmc, diagnostics = _numpyro()
-    at = np.clip(unit, ASIDE, 1 - ASIDE)
+    problem: FitProblem = fit.problem
+    slopes = problem.residuals(fit.unit)[1] / (fit.noise or 1.0)
+    at = np.clip(fit.unit, ASIDE, 1 - ASIDE)
     logit, change = np.log(at / (1 - at)), at * (1 - at)
     # The logit of a uniform random number has the variance pi^2/3.
     precision = (slopes * change).T @ (slopes * change) + 3 / np.pi**2 * np.eye(len(at))
     root: Any = np.linalg.inv(np.linalg.cholesky(precision)).T
-    log_density = _log_density(problem, known=known)
+    log_density = _log_density(problem, known=bool(np.isfinite(fit.chi_squared)))
 
     def potential(white: Any):
         return -log_density(logit + root @ white)

@@ -11,9 +11,8 @@ import numpy as np
 from jaxtyping import Float
 
 from ..compilation.by_meaning import jit
-from ..design.evaluate import Layout, build_once, flat_function
+from ..design.evaluate import Layout, build_once, flat_function, with_slopes
 from ..design.problem import Scaling
-from ..design.sensitivities import REVERSE_COST
 from ..errors import AnalysisError
 from ..numerical_limits import PART_IN_COMBINATION, SETTLED_COST, SETTLED_PARAMETERS, UNDETERMINED_SHARE, ZERO_SLOPE
 from ..results import ANSWERED, RESULTS
@@ -96,22 +95,16 @@ class FitProblem:
         """Return the compiled function from scaled parameters to answers, slopes and code, and the answers' layout."""
         function, layout = flat_function(self.build, answers, self.layout, self.models)
 
-        def twice(unit: Float[jax.Array, "n"]):
-            values, code = function(self.scaling.to_dimensions(unit))
-            return values, (values, code)
+        def of_unit(unit: Float[jax.Array, "n"]):
+            return function(self.scaling.to_dimensions(unit))
 
-        compiled = jit(self._differentiated(twice, layout))
+        compiled = jit(with_slopes(of_unit, sum(self.layout.sizes), sum(layout.sizes)))
 
         def call(unit: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
             slopes, (values, code) = compiled(jnp.asarray(unit))
             return np.asarray(values), np.asarray(slopes), int(code)
 
         return call, layout
-
-    def _differentiated(self, function: Callable[..., Any], layout: Layout) -> Callable[..., Any]:
-        """Return the function of scaled parameters that returns slopes and further results, forward or reverse."""
-        forward = sum(self.layout.sizes) <= REVERSE_COST * sum(layout.sizes)
-        return jax.jacfwd(function, has_aux=True) if forward else jax.jacrev(function, has_aux=True)
 
     def traced(self) -> Callable[[Any, Any], tuple[Any, Any, Any]]:
         """Return the function, for a trace, from scaled parameters and measured values to the results of `residuals`.
@@ -121,15 +114,16 @@ class FitProblem:
         answers = {item.name: prediction_of(item) for item in self.items}
         function, layout = flat_function(self.build, answers, self.layout, self.models)
 
-        def twice(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
+        def rows_of(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
             flat = self.scaling.to_dimensions(unit)
             computed, code = function(flat)
             priors = [jnp.ravel((flat[i] - prior.mean) / prior.deviation) for i, prior in self.priors.items()]
-            rows = jnp.concatenate([self.weighted(computed - values), *priors])
-            return rows, (rows, code)
+            return jnp.concatenate([self.weighted(computed - values), *priors]), code
+
+        differentiated = with_slopes(rows_of, sum(self.layout.sizes), sum(layout.sizes))
 
         def evaluate(unit: Float[jax.Array, "n"], values: Float[jax.Array, "m"]):
-            slopes, (rows, code) = self._differentiated(twice, layout)(unit, values)
+            slopes, (rows, code) = differentiated(unit, values)
             return rows, slopes, jnp.any(code == jnp.array([int(result) for result in GOOD], code.dtype))
 
         return evaluate
@@ -199,8 +193,8 @@ class FitProblem:
             return last[key]
 
         if not len(free):
-            rows = at(np.zeros(0))[0]
-            return Solution(whole(np.zeros(0)), _cost(rows, self.loss), 1, True)
+            rows, _ = at(np.zeros(0))
+            return Solution(whole(np.zeros(0)), float(np.sum(robust(rows, self.loss)[0])), 1, True)
         # SciPy needs a start inside the bounds.
         inside = np.clip(np.asarray(start, float)[free], 1e-6, 1 - 1e-6)
         if not np.all(np.isfinite(at(inside)[0])):
@@ -226,10 +220,6 @@ class FitProblem:
 def prediction_of(item: Measured) -> Callable[[Any], Any]:
     """Return the answer of a measurement as a function of the pair (model, parameters)."""
     return lambda made: predicted(item, *made)
-
-
-def _cost(rows: np.ndarray, loss: str) -> float:
-    return float(np.sum(robust(rows, loss)[0]))
 
 
 def robust(rows: Any, loss: str) -> tuple[Any, Any]:

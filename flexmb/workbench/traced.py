@@ -12,8 +12,7 @@ import numpy as np
 from jaxtyping import Array
 
 from ..compilation.compile import jit
-from ..design.evaluate import build_once, flat_function, layout_of, refusal_of_designs
-from ..design.sensitivities import REVERSE_COST
+from ..design.evaluate import REVERSE_COST, build_once, flat_function, layout_of, refusal_of_designs
 from ..errors import printable
 from ..linear.linearize import Linearization, linearize
 from ..model.model import Model
