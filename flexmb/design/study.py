@@ -152,15 +152,26 @@ UNTRACED_MADE = "robustness compiles, and the model or an answer cannot be trace
 UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced by JAX"
 
 
+def answer_head(study: Any, version: str, result: RESULTS | None = None, message: str = "") -> dict[str, Any]:
+    """Return the first keys of an answer for JSON: of a search with its result, otherwise with a message."""
+    if result not in (None, RESULTS.successful):
+        message = result.message
+    status = "ok" if result in (None, RESULTS.successful) else result.name
+    return {"study": study.name, "flexmb": version, "status": status, "message": message, "warnings": study.warnings}
+
+
+def fields_of(found: Any, names: str) -> dict[str, Any]:
+    """Return attributes of a result under their names."""
+    return {name: getattr(found, name) for name in names.split()}
+
+
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
     """Return a sweep as data for JSON."""
-    failed = sum(found.failures().values())
+    failures = found.failures()
+    head = answer_head(study, version, message=", ".join(f"{n} designs: {name}" for name, n in failures.items()))
     return {
-        "study": study.name,
-        "flexmb": version,
-        "status": "ok" if failed < len(found.codes) else "failed",
-        "message": ", ".join(f"{n} designs: {name}" for name, n in found.failures().items()),
-        "warnings": study.warnings,
+        **head,
+        "status": "ok" if sum(failures.values()) < len(found.codes) else "failed",
         "axes": found.axes,
         "parameters": dict(found.designs),
         "answers": found.answers,
@@ -170,23 +181,13 @@ def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
 
 def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
     """Return a tuned design as data for JSON."""
-    good = found.result.name == "successful"
     return {
-        "study": study.name,
-        "flexmb": version,
-        "status": "ok" if good else found.result.name,
-        "message": "" if good else found.result.message,
-        "warnings": study.warnings,
-        "reason": found.reason,
-        "choices": found.choices,
+        **answer_head(study, version, found.result),
+        **fields_of(found, "reason choices"),
         "parameters": found.dimensions,
-        "answers": found.answers,
-        "start": found.start,
+        **fields_of(found, "answers start"),
         "active": list(found.active),
-        "objective": found.objective,
-        "violation": found.violation,
-        "evaluations": found.evaluations,
-        "history": found.history,
+        **fields_of(found, "objective violation evaluations history"),
         "combinations": [
             {
                 "choices": combination.choices,
@@ -203,7 +204,7 @@ def tune_answer(study: Study, found: Tuned, version: str) -> dict[str, Any]:
 
 def robustness_answer(study: Study, found: Robustness, version: str) -> dict[str, Any]:
     """Return yield, percentiles and worst cases as data for JSON."""
-    failed = found.samples.failures()
+    message = ", ".join(f"{n} mechanisms: {name}" for name, n in found.samples.failures().items())
     percents = study.robust.get("percentiles", SHOWN)
     answers = {}
     for name, nominal in found.nominal.items():
@@ -219,11 +220,7 @@ def robustness_answer(study: Study, found: Robustness, version: str) -> dict[str
                 "highest": {"value": high[0], "parameters": high[1]},
             }
     return {
-        "study": study.name,
-        "flexmb": version,
-        "status": "ok",
-        "message": ", ".join(f"{n} mechanisms: {name}" for name, n in failed.items()),
-        "warnings": study.warnings,
+        **answer_head(study, version, message=message),
         "parameters": {**study.values, **(study.scatter.nominal if study.scatter else {})},
         "samples": len(found.samples.codes),
         "level": found.level,

@@ -173,8 +173,8 @@ class StudyReader:
         with self.named():
             self.check_tables("model", "answers")
             parameters = self.parameters()
-            free = {name: entry for name, entry in parameters.items() if "lower" in entry}
-            fixed = tuple((name, entry["value"]) for name, entry in parameters.items() if name not in free)
+            start, bounds, scales, _, fixed_values = self.searched(parameters)
+            free, fixed = tuple(start), tuple(fixed_values.items())
             answers = {name: self.answer(name, entry) for name, entry in self.data["answers"].items()}
             choices = self.choices(tuple(parameters))
             taken = (YIELD,) if self.data.get("acceptable") else ()
@@ -183,7 +183,7 @@ class StudyReader:
             except ValueError as fault:
                 raise StudyError(f"[answers] {fault}") from None
             values = {name: entry["value"] for name, entry in parameters.items()}
-            scatter = self.scatter(values, tuple(free), choices)
+            scatter = self.scatter(values, free, choices)
             scattered = () if scatter is None else tuple(scatter.nominal)
             unscattered = tuple(pair for pair in fixed if pair[0] not in scattered)
             build = self.builder(fixed, (*free, *choices))
@@ -191,11 +191,11 @@ class StudyReader:
                 self.name,
                 build,
                 answers,
-                {name: entry["value"] for name, entry in free.items()},
-                {name: (entry["lower"], entry["upper"]) for name, entry in free.items()},
-                {name: entry["scale"] for name, entry in free.items() if "scale" in entry},
+                start,
+                bounds,
+                scales,
                 self.wanted(tuple(answers)),
-                self.plan(tuple(free)),
+                self.plan(free),
                 choices,
                 build if scatter is None else self.builder(unscattered, (*free, *scattered, *choices)),
                 scatter,
@@ -238,6 +238,15 @@ class StudyReader:
                 raise StudyError(f"{key}: scale cannot be log, since lower {entry['lower']:g} is not positive.")
             entries[name] = entry
         return entries
+
+    @staticmethod
+    def searched(parameters: Mapping[str, Mapping[str, Any]]) -> tuple[dict[str, Any], ...]:
+        """Return start, bounds, scale and prior of the parameters with bounds, and the values of the others."""
+        free = {name: entry for name, entry in parameters.items() if "lower" in entry}
+        start = {name: entry["value"] for name, entry in free.items()}
+        bounds = {name: (entry["lower"], entry["upper"]) for name, entry in free.items()}
+        scales, priors = ({n: e[key] for n, e in free.items() if key in e} for key in ("scale", "prior"))
+        return start, bounds, scales, priors, {n: e["value"] for n, e in parameters.items() if n not in free}
 
     def choices(self, parameters: tuple[str, ...]) -> dict[str, list[Any]]:
         """Return the values of each choice by name."""

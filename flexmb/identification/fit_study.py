@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..design.study import answer_head, fields_of
 from ..design.study_file import StudyReader
 from ..design.study_parts import function_of, naming_study
 from ..errors import StudyError, printable
@@ -70,10 +71,9 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
         if reader.data.get("choices"):
             raise StudyError("[choices]: a fit has no choices. Give one value of each as a parameter.")
         parameters = reader.parameters()
-        free = {name: entry for name, entry in parameters.items() if "lower" in entry}
-        if not free:
+        start, bounds, scales, priors, fixed = reader.searched(parameters)
+        if not start:
             raise StudyError("[parameters]: give at least one lower and upper.")
-        fixed = {name: entry["value"] for name, entry in parameters.items() if name not in free}
         items = measurements_of(reader.name, reader.path.parent, reader.data["data"])
         of_data = {name for item in items for name in item.parameters}
         for item in items:
@@ -83,7 +83,7 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
         accepted = _accepted(reader, {name: entry["value"] for name, entry in parameters.items()})
         arguments = [name for name in parameters if name not in of_data or name in accepted]
         own_fixed = tuple((name, value) for name, value in fixed.items() if name in arguments)
-        own_free = tuple(name for name in free if name in arguments)
+        own_free = tuple(name for name in start if name in arguments)
         builder = reader.builder(own_fixed, own_free)
         options = dict(reader.data.get("fit", {}))
         level = options.pop("level", 0.95)
@@ -94,10 +94,10 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
             _with_signature(builder, own_free),
             builder,
             [_with_fixed(item, fixed) for item in items],
-            {name: entry["value"] for name, entry in free.items()},
-            {name: (entry["lower"], entry["upper"]) for name, entry in free.items()},
-            {name: entry["scale"] for name, entry in free.items() if "scale" in entry},
-            {name: entry["prior"] for name, entry in free.items() if "prior" in entry},
+            start,
+            bounds,
+            scales,
+            priors,
             options,
             level,
         )
@@ -140,26 +140,13 @@ def _with_fixed(item: Measured, fixed: Mapping[str, float]) -> Measured:
 
 def fit_answer(study: FitStudy, found: Fit, version: str) -> dict[str, Any]:
     """Return a fit as data for JSON."""
-    good = found.result.name == "successful"
     return {
-        "study": study.name,
-        "flexmb": version,
-        "status": "ok" if good else found.result.name,
-        "message": "" if good else found.result.message,
-        "warnings": study.warnings,
-        "reason": found.reason,
-        "parameters": found.parameters,
-        "start": found.start,
-        "deviation": found.deviation,
+        **answer_head(study, version, found.result),
+        **fields_of(found, "reason parameters start deviation"),
         "level": study.level,
         "intervals": {name: list(found.interval(name, study.level)) for name in found.labels},
         "labels": list(found.labels),
-        "covariance": found.covariance,
-        "correlation": found.correlation,
-        "chi_squared": found.chi_squared,
-        "freedom": found.freedom,
-        "probability": found.probability,
-        "noise": found.noise,
+        **fields_of(found, "covariance correlation chi_squared freedom probability noise"),
         "undetermined": [
             {
                 "parameters": list(combination.names),

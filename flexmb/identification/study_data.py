@@ -122,9 +122,9 @@ def _measurement(key: str, about: str, folder: Path, name: str, table: Any) -> M
         values = _needed(key, entry, "values")
         deviation = _deviation(key, entry, values)
         if kind == "modes":
-            chosen = {option: entry[option] for option in ("shapes", "at", "among") if option in entry}
+            chosen = _given(entry, "shapes", "at", "among")
             return measured_modes(values, deviation, numbers_of_modes=entry["modes"], name=name, **chosen)
-        chosen = {option: entry[option] for option in ("covariance", "over", "label") if option in entry}
+        chosen = _given(entry, "covariance", "over", "label")
         answer, called = _answer(key, about, folder, entry["answer"])
         measurement = measured(answer, values, deviation, name=name, **chosen)
         return measurement if called is None else dataclasses.replace(measurement, answer=called)
@@ -141,11 +141,14 @@ def _naming_key(key: str) -> Iterator[None]:
         raise StudyError(f"{key}: {printable(message_of(fault))}") from fault
 
 
+def _given(entry: Mapping[str, Any], *options: str) -> dict[str, Any]:
+    return {option: entry[option] for option in options if option in entry}
+
+
 def _needed(key: str, entry: Mapping[str, Any], name: str) -> Any:
     if name not in entry:
-        header = (
-            f" The columns of the file are: {printable(', '.join(entry['header']))}." if entry.get("header") else ""
-        )
+        header = printable(", ".join(entry.get("header", ())))
+        header = f" The columns of the file are: {header}." if header else ""
         raise StudyError(f"{key}: give {name}, or a file with this column.{header}")
     return np.asarray(entry[name], float)
 
@@ -191,11 +194,7 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
     else:
         real, imaginary = (_needed(key, entry, part) for part in ("real", "imaginary"))
         values = real + 1j * imaginary
-    chosen = {
-        option: entry[option]
-        for option in ("output", "input", "loss_factor", "gain", "delay", "logarithmic")
-        if option in entry
-    }
+    chosen = _given(entry, "output", "input", "loss_factor", "gain", "delay", "logarithmic")
     measurement = measured_response(hertz, values, _deviation(key, entry, values), name=name, **chosen)
     if "ports" not in entry:
         return measurement
