@@ -571,7 +571,7 @@ def _unit(read: Any, number: int, release: str) -> Callable[[Path, Any], Any]:
     from .answers.answers import answer
     from .answers.mode_1_simulate import motions_of
     from .fmu.plant import units_of
-    from .model.roles import Role
+    from .model.topology import Role
     from .spacar.trajectories import laws_of
 
     def with_signals(model: Any) -> Any:

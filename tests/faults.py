@@ -4427,7 +4427,9 @@ FAULTS = [
         "if steps[at] < max(JUMP_OF_RANGE,",
         "motion/test_sudden.py -k to_be_named",
     ),
-    Fault("statics/newton_search.py", "refused = refused & ~loose", "pass", "statics/test_stable.py -k double_pendulum"),
+    Fault(
+        "statics/newton_search.py", "refused = refused & ~loose", "pass", "statics/test_stable.py -k double_pendulum"
+    ),
     Fault("build/plain_beams.py", "np.radians(15.0)", "np.radians(1.0)", "build/test_plain_beams.py -k along_an_arc"),
     Fault(
         "statics/newton_search.py",

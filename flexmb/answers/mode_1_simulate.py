@@ -14,9 +14,8 @@ from ..errors import SpacarError
 from ..linear.linearize import Linearization, Matrices
 from ..linear.loose import without_mass
 from ..linear.spectrum import general_spectrum, is_real, massless_freedoms, to_frequency
-from ..mechanics.extent import extent_of
 from ..model.model import Entry, Model
-from ..model.roles import Role
+from ..model.topology import Role, extent_of
 from ..motion.linearized import linearize_motion
 from ..motion.motion import Motion
 from ..motion.simulate import simulate

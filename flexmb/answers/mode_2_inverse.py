@@ -9,7 +9,7 @@ from ..build.builder import Builder
 from ..build.description import Key, NamedSignal
 from ..errors import SpacarError
 from ..model.by_name import TURNS
-from ..model.roles import Role
+from ..model.topology import Role
 from ..spacar.reading import Channel
 from ..spacar.trajectories import NOMINAL, REFERENCES, WAYS, Way, laws_of, role_of, ways_of
 from ..trajectory.inverse import Nominal, inverse_dynamics

@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import printable
 from ..mechanics.inertia import total_mass
 from ..model.model import Entry, Model
-from ..model.roles import Role
+from ..model.topology import Role
 from ..spacar.lines import statements
 from ..spacar.series import meaning_of_deformations
 from .answer_parts import matrix, row

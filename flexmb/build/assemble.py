@@ -21,9 +21,7 @@ from ..math.indices import put
 from ..mechanics.blocks import with_meaning
 from ..model.by_name import frame_of
 from ..model.model import MOTIONS, Entry, Labels, Model, Signal
-from ..model.parameters import Loads, Parameters
-from ..model.roles import HELD, Role
-from ..model.topology import Block, RoleIndices, Topology
+from ..model.topology import HELD, Block, Loads, Parameters, Role, RoleIndices, Topology
 from .description import Description, Key, NamedSignal, turn_about
 from .tilts import with_tilts
 

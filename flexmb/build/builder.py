@@ -30,7 +30,7 @@ from ..errors import ModelError
 from ..mechanics.deformation import in_undeformed
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Model
-from ..model.roles import Role
+from ..model.topology import Role
 from ..numerical_limits import SYMMETRIC_INERTIA
 from .assemble import assemble, stack
 from .calls import records_call

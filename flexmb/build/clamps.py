@@ -19,7 +19,7 @@ from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
 from ..errors import ModelError, warn
 from ..model.model import Model
-from ..model.roles import HELD, Role
+from ..model.topology import HELD, Role
 from ..results import RESULTS, collect
 from .description import Description, Member
 

@@ -16,7 +16,7 @@ from ..elements.element import Element
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
-from ..model.roles import Role
+from ..model.topology import Role
 from ..numerical_limits import UNIT_NORM_OF_ROTATION
 from .calls import MadeCall, records_call
 from .given import check_closure, nonempty_arguments, number_in, number_in_element, numbers_freed

@@ -13,7 +13,7 @@ from ..errors import MechanismError, ModelError, warn
 from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import TURN_OF, TURNS, turn_of
 from ..model.model import MOTIONS, Model
-from ..model.roles import HELD
+from ..model.topology import HELD
 from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT, TURNS_BACK
 from .assemble import assemble, with_roles
 from .clamps import with_clamps

@@ -15,7 +15,7 @@ from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
-from ..model.roles import HELD
+from ..model.topology import HELD
 from ..numerical_limits import SAME_SIZE
 from .clamps import (
     FOLD,

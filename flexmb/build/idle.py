@@ -16,7 +16,7 @@ from ..compilation.compile import jit_beside_options
 from ..elements.element import ELASTIC, Element
 from ..elements.sections import Damping, MaterialDamping, Rigidity
 from ..errors import IdleWarning, warn
-from ..model.roles import HELD, Role
+from ..model.topology import HELD, Role
 from .description import Description, Member
 
 # Numbers of a section and of dampers that resist deformation, in alphabetical order.

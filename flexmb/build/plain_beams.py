@@ -16,7 +16,7 @@ from ..elements.sections import Circle, Rectangle
 from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
-from ..model.roles import HELD
+from ..model.topology import HELD
 from .clamps import THICK, End, elements_at, is_clamped, leaf_axes, nodes_of_kind
 from .description import Description, Member
 

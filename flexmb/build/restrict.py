@@ -18,8 +18,7 @@ from ..math.subspace import above, independent_rows
 from ..mechanics.blocks import deforming
 from ..model.by_name import TURNS, frame_of, turn_of
 from ..model.model import Entry, Labels, Model
-from ..model.parameters import Loads, Parameters
-from ..model.topology import Block, RoleIndices, Topology
+from ..model.topology import Block, Loads, Parameters, RoleIndices, Topology
 from ..numerical_limits import CANNOT_MOVE
 from .assemble import on_device
 from .dofs import choose

@@ -10,8 +10,7 @@ import numpy as np
 from ..arguments import as_known, is_concrete, is_noting, nan_if_refused
 from ..elements.sections import Damping, Section
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 
 # Function that returns faults of one or many elements, its argument, and the function that its author wrote.
 Check = tuple[Callable[[Any], list[str]], Any, Callable[..., list[str]]]

@@ -6,7 +6,7 @@ import dataclasses
 
 from ..model.by_name import TURN_OF, TURNS, turn_of
 from ..model.model import MOTIONS
-from ..model.roles import Role
+from ..model.topology import Role
 from .description import Description, turn_about
 
 

@@ -14,9 +14,9 @@ from ..errors import ModelError
 from ..math.linear import uneven
 from ..math.subspace import dense, null_spaces, row_sizes, scattered_rows
 from ..mechanics.deformation import undeformed
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Entry, Model, Signal, as_known_model
+from ..model.topology import coordinate_scales
 from ..numerical_limits import LOCKED_INPUT, NOT_VANISHING, SAME_SHARE, SMALLEST_SHARE
 from .releases import Release, one_by_one, proposals
 

@@ -18,8 +18,7 @@ from ..mechanics.inertia import mass_matrix, weight_stiffness
 from ..mechanics.loads import load_stiffness, without_gravity
 from ..mechanics.signals import rotation_row
 from ..model.model import Signal
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..motion.element_forces import Moving, force_derivatives, prepared_blocks
 from ..numerical_limits import ENTRY_ROUND_OFF
 

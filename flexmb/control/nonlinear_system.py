@@ -10,9 +10,9 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
 from ..errors import AnalysisError, warn
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import warn_of_increment
 from ..model.model import Model, as_known_model
+from ..model.topology import coordinate_scales
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.drives_by_name import Drives, driven_by

@@ -34,8 +34,7 @@ from ..mechanics.signals import (
     terms_of,
 )
 from ..model.model import Signal
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import IDLE_FORCE, SUM_ROUND_OFF
 from .held import ConstrainedCoordinate, about_axes, constrained_by, constrained_of, moved_by, seeds, with_constrained
 

@@ -18,9 +18,9 @@ from ..linear.modes import modal_frequencies
 from ..linear.spectrum import massless_freedoms, response_without_mass
 from ..math.linear import factorise
 from ..math.linear_solver import LinearSolver
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
+from ..model.topology import coordinate_scales
 from ..numerical_limits import IDLE_INPUT, LOST_DAMPING, RATE_ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium

@@ -20,8 +20,7 @@ from ..build.sound import checks_of
 from ..compilation.compile import QUICK
 from ..errors import AnalysisError, ModelError, SpacarError, printable
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..questions.question import asked
 from ..results import ANSWERED, RESULTS, collected, worst_of
 

@@ -17,8 +17,8 @@ from ..errors import AnalysisError, ModelError, printable
 from ..linear.linearize import Linearization, linearize
 from ..linear.spectrum import symmetric_eigenvalues, to_frequency
 from ..mechanics.blocks import companion_of
-from ..mechanics.extent import extent_of
 from ..model.model import Model
+from ..model.topology import extent_of
 from ..numerical_limits import NEAR_BAND, NEAR_RESONANCE, ZERO_FREQUENCY_OF_BAND
 
 # Number of frequencies of the band at which transfer functions are compared.

@@ -24,8 +24,7 @@ from ..mechanics.loads import lacks_potential, load_factors
 from ..mechanics.residual import state
 from ..model.by_name import TURN_OF, turned_by
 from ..model.model import Entry, Model
-from ..model.parameters import Loads, Parameters
-from ..model.topology import RoleIndices, Topology
+from ..model.topology import Loads, Parameters, RoleIndices, Topology
 
 
 class StrokeError(ModelError):

@@ -23,8 +23,7 @@ from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
 from ..model.by_name import ByName, node_motions
 from ..model.model import Labels, Model, as_determined, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..results import RESULTS, check, collect, or_nan, outcome_text
 from ..statics.coarse import warn_of_coarse
 from ..statics.equilibrium import Equilibrium, check_stiffness

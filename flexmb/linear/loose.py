@@ -16,10 +16,10 @@ from ..math.linear import unit_scale
 from ..math.sparse import unresisted
 from ..math.subspace import dense
 from ..mechanics.deformation import jacobian_pieces
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix
 from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
+from ..model.topology import coordinate_scales
 from ..numerical_limits import FREE_STIFFNESS, NO_MASS, PART_IN_MOTION, SEMIDEFINITE
 from ..results import RESULTS
 from .linearize import Linearization, Matrices

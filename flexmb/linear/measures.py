@@ -12,8 +12,7 @@ from ..display import kind_of
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
 from ..model.model import Model, as_determined
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import ONE_CLUSTER
 from ..results import RESULTS, or_nan
 from .linearize import Matrices, matrices

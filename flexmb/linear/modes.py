@@ -18,8 +18,7 @@ from ..math.linear_solver import DENSE, LinearSolver
 from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
 from ..model.model import Model, as_determined
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..results import RESULTS, check, collects, or_nan
 from ..statics.equilibrium import Equilibrium, without_stiffness
 from ..statics.solver_choice import asked_solver, few_of

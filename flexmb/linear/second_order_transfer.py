@@ -7,8 +7,7 @@ from jaxtyping import Array, Float
 from ..display import kind_of
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import correction, deformation_jacobian, transfer
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from .about import linearized
 from .linearize import Linearization, Matrices
 

@@ -24,12 +24,10 @@ from ..math.linear import uneven
 from ..math.linear_solver import LinearSolver
 from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, deformations
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
 from ..statics.newton_search import prescribed_values

@@ -23,8 +23,7 @@ from ..mechanics.blocks import companion_of
 from ..mechanics.loads import warn_of_increment
 from ..mechanics.stress_resultants import block_resultants as resultants_of_blocks
 from ..model.model import Labels, Model, as_determined, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 from ..numerical_limits import BESIDE_BREAK
 from ..results import outcome_text
 from ..statics.equilibrium import Equilibrium, equilibrium

@@ -21,8 +21,7 @@ from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity, Section
 from ..errors import ModelError
 from ..math.indices import accumulate
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 from .staged import Staged
 
 # Prefix of a companion's name: traced numbers that the companion refers to, stored among the properties.

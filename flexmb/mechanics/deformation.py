@@ -11,8 +11,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..compilation.compile import jit, traced_once
 from ..math.indices import accumulate, put
 from ..math.linear import Factors, factorise
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 from .blocks import companion_of, curvature, derivative, each_block, scatter_matrix, scatter_vector, with_rigidities
 
 # With more coordinates, matrices on the host are sparse. Dense ones take ten seconds for 600 beams and seven gigabytes

@@ -9,8 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import traced_once
 from ..math.indices import put
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 from .blocks import derivative, each_block, scatter_matrix, scatter_vector
 
 

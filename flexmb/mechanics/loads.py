@@ -11,8 +11,7 @@ from jaxtyping import Array, Bool, Float
 from ..arguments import as_floats, check_number, is_concrete
 from ..errors import ModelError, warn
 from ..model.model import Model
-from ..model.parameters import Loads, Parameters
-from ..model.topology import Topology
+from ..model.topology import Loads, Parameters, Topology
 from .blocks import each_block, scatter_matrix, scatter_vector
 from .inertia import weight, weight_stiffness
 

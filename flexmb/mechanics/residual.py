@@ -7,8 +7,7 @@ from jaxtyping import Array, Float
 
 from ..math.indices import put
 from ..math.linear import factorise
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from .deformation import Transfer, correction, deformation_curvature, deformation_jacobian, multipliers, transfer
 from .loads import LoadFactors, load_stiffness, nodal_forces, scaled_loads
 from .stress_resultants import element_stiffness, stress_and_tangent

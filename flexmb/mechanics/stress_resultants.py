@@ -9,8 +9,7 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit, traced_once
 from ..elements.element import NONLINEAR
-from ..model.parameters import Loads, Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Loads, Parameters, Topology
 from .blocks import each_block, heat_sizes, scatter_matrix, scatter_vector
 from .inertia import InertialLoad, fall
 
@@ -165,7 +164,7 @@ def thermal_deformations(
 ) -> Float[Array, "n_e"]:
     """Deformations of free elements under a change of temperature; FIXED deformations are held at these values.
 
-    Source: THEORY.md 2, eq. (2.31) to (2.33); temperature as in :class:`flexmb.model.parameters.Loads`.
+    Source: THEORY.md 2, eq. (2.31) to (2.33); temperature as in :class:`flexmb.model.topology.Loads`.
     """
     element_deformations = []
     for block, function, *arguments in each_block(topology, parameters, "thermal"):

@@ -18,10 +18,8 @@ from ..display import AT_MOST, Result, States, Summary, among, kind_of, listed, 
 from ..errors import AnalysisError, ModelError
 from ..results import RESULTS
 from .by_name import TURNS, tilted_by, turn_of
-from .parameters import Parameters
 from .properties import with_property
-from .roles import Role
-from .topology import RoleIndices, Topology
+from .topology import Parameters, Role, RoleIndices, Topology
 
 # Inputs that move held things, by order of their time derivative.
 MOTIONS = ("displacement", "velocity", "acceleration")

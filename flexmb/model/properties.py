@@ -11,8 +11,7 @@ import numpy as np
 from ..arguments import check_numbers, is_concrete, nan_if_refused, short_repr
 from ..elements.sections import Rectangle
 from ..errors import ModelError
-from .parameters import Parameters
-from .topology import Topology
+from .topology import Parameters, Topology
 
 # Sizes of a rectangle, whose changes along leaf springs in line are steps.
 SIZES = ("width", "thickness")

@@ -1,14 +1,32 @@
-"""Structure of a model: shapes and element functions (static), connectivity and roles (integer arrays)."""
+"""Structure of a model (roles, connectivity, element functions), its numbers, and the scales of its coordinates."""
 
+import enum
 from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Int
+from jaxtyping import Array, Float, Int
 
 from ..arguments import is_concrete
 from ..compilation.record import Record, static
 from ..elements.element import Element
+
+
+class Role(enum.Enum):
+    """Role of a coordinate or deformation (THEORY.md 1).
+
+    FIXED: a coordinate at its start value, a deformation at zero or its thermal value. DEPENDENT: follows from the
+    others ("released" for a deformation). DOF: a degree of freedom. PRESCRIBED: a given value.
+    """
+
+    FIXED = "fixed"
+    DEPENDENT = "dependent"
+    DOF = "dof"
+    PRESCRIBED = "prescribed"
+
+
+# Roles of known values.
+HELD = (Role.FIXED, Role.PRESCRIBED)
 
 
 class Block(Record):
@@ -103,3 +121,69 @@ class Topology(Record):
     def counts_turns(self) -> bool:
         """Whether a deformation is an angle that counts full turns from its value at the last state."""
         return any(block.element.tracks_angle for block in self.blocks)
+
+
+class Loads(Record):
+    """Constant loads. Loads that a scene does not have are None and are not traced.
+
+    Attributes:
+        force: Nodal forces dual to the coordinates, (n_x,) [N, N m].
+        gravity: Acceleration of gravity, (axes,) [m/s^2].
+        prestress: Stress resultants in addition to elastic ones, (n_e,) [N, N m].
+        x: Values of the PRESCRIBED coordinates, in their order [m, rad].
+        e: Values of the PRESCRIBED deformations, in their order [m, rad].
+        temperature: Change of temperature of elements, in the row of the first deformation of each, (n_e, 3 or 4):
+            at its first and last end [K], then gradients along the section's local y and z, in the plane z alone [K/m].
+    """
+
+    force: Float[Array, "n_x"] | None = None
+    gravity: Float[Array, "axes"] | None = None
+    prestress: Float[Array, "n_e"] | None = None
+    x: Float[Array, "_p"] | None = None
+    e: Float[Array, "_p"] | None = None
+    temperature: Float[Array, "n_e _t"] | None = None
+
+
+class Parameters(Record):
+    """Numbers of a mechanism; a pytree to differentiate, batch and optimise.
+
+    Attributes:
+        reference: Nodal coordinates of the undeformed mechanism, (n_x,) [m, rad, -].
+        properties: Properties of each block, every leaf stacked over its elements.
+        loads: Constant loads.
+        increment: Loads that a path or a buckling analysis scales while ``loads`` stay; None: all loads are scaled.
+        strain: Deformations without stress, (n_e,), or None: zero.
+        start: Degrees of freedom and their rates at the start of a simulation, twice (n_q,), or None: zero.
+        weights: Weights of the terms of all inputs, and of all outputs, in their order, or None: one each.
+        prepared: Within a compiled kernel, results of elements that depend on reference and properties alone, by block
+            (:func:`flexmb.mechanics.blocks.kernel`); None elsewhere.
+    """
+
+    reference: Float[Array, "n_x"]
+    properties: tuple[dict[str, Any], ...]
+    loads: Loads
+    increment: Loads | None = None
+    strain: Float[Array, "n_e"] | None = None
+    start: tuple[Float[Array, "n_q"], Float[Array, "n_q"]] | None = None
+    weights: tuple[Float[Array, "_k"], Float[Array, "_l"]] | None = None
+    prepared: tuple[Any, ...] | None = None
+
+
+def extent_of(topology: Topology, parameters: Parameters) -> float:
+    """Largest distance of nodes along any axis, or 1 if zero [m]; of concrete numbers."""
+    points = np.asarray(parameters.reference)[np.asarray(topology.axes)]
+    return (float(np.max(np.ptp(points, axis=1))) if points.size else 0.0) or 1.0
+
+
+def coordinate_scales(topology: Topology, parameters: Parameters) -> Any:
+    """Scales of all coordinates [m, -, 1/m]: the extent to the power of length in the unit of each coordinate.
+
+    A displacement or an elongation of a beam with strain series counts as a share of the extent, a rotation in radians,
+    a warping in radians over the extent. Computed by NumPy outside a trace, without compiling.
+    """
+    if is_concrete((topology.axes, topology.powers, parameters.reference)):
+        return extent_of(topology, parameters) ** np.asarray(topology.powers, float)
+    points = parameters.reference[topology.axes]
+    extent = jnp.max(jnp.max(points, axis=1) - jnp.min(points, axis=1)) if points.size else jnp.array(0.0)
+    extent = jnp.where(extent > 0, extent, 1.0)
+    return jnp.where(topology.powers > 0, extent, jnp.where(topology.powers < 0, 1 / extent, 1.0))

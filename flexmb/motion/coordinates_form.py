@@ -12,7 +12,6 @@ from ..compilation.record import Record
 from ..math.indices import TRUSTED, accumulate, put
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import zero_strain
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import uniform_motion
 from ..mechanics.loads import LoadFactors, load_stiffness, nodal_forces, without_gravity
 from ..mechanics.stress_resultants import (
@@ -23,8 +22,7 @@ from ..mechanics.stress_resultants import (
     stress_tangents,
     thermal_deformations,
 )
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import REDUNDANT_COMPLIANCE
 from ..statics.configuration import configured
 from .drive import Drive, Driven, drive_at

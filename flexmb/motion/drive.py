@@ -12,8 +12,7 @@ from ..compilation.record import Record, static
 from ..math.indices import accumulate, put
 from ..math.rotation import LBAR, LBODY
 from ..mechanics.loads import LoadFactors, scaled_loads
-from ..model.parameters import Loads, Parameters
-from ..model.topology import Topology
+from ..model.topology import Loads, Parameters, Topology
 
 # The tensor of each kind of moment.
 MOMENTS = {"moment": LBAR, "local moment": LBODY}

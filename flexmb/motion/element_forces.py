@@ -16,8 +16,7 @@ from ..compilation.program import split_constants
 from ..compilation.record import Record, static
 from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 
 
 class PreparedBlock(Record):

@@ -15,7 +15,6 @@ from jaxtyping import Array, Bool, Float, Int
 from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record, static
 from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, with_derivative
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model

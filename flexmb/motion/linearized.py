@@ -16,10 +16,8 @@ from ..errors import ModelError, warn
 from ..linear.linearize import Linearization, Matrices
 from ..math.linear import factorise
 from ..mechanics.deformation import zero_strain
-from ..mechanics.extent import coordinate_scales
 from ..model.model import Model, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import SMALL_DIAGONAL, STEADY_CONVERGED, STEADY_EQUATIONS
 from ..results import RESULTS, check, or_nan
 from .coordinates_form import coordinates_form

@@ -8,8 +8,8 @@ from ..compilation.compile import jit_beside_options
 from ..compilation.record import Record
 from ..math.linear import factorise, is_positive_definite
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import mass_matrix
+from ..model.topology import coordinate_scales
 from .coordinates_form import CoordinatesForm
 from .element_forces import Moving
 from .moving_matrices import dynamic_balance, moving_matrices, state_at_rates

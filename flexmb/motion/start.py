@@ -13,8 +13,7 @@ from ..display import among
 from ..errors import warn
 from ..math.indices import put
 from ..mechanics.deformation import correction, deformation_jacobian, transfer
-from ..mechanics.extent import coordinate_scales
-from ..model.parameters import Parameters
+from ..model.topology import Parameters, coordinate_scales
 from ..numerical_limits import CONFIGURATION_STEP, MOVED_START, SETTLED_START
 from .coordinates_form import CoordinatesForm
 from .drive import Driven

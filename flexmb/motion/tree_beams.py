@@ -14,8 +14,7 @@ from ..math.linear import multiplied
 from ..mechanics.blocks import companion_of, deforming, element_function, with_rigidities
 from ..mechanics.staged import derivative_in_stages, hessian_in_stages
 from ..mechanics.tree import Tree, block_part
-from ..model.parameters import Parameters
-from ..model.topology import Block, Topology
+from ..model.topology import Block, Parameters, Topology
 from .coordinates_form import AllCoordinates
 from .element_forces import by_inertia, derived_rates, own_of, rates_along, second_rate
 

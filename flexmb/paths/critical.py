@@ -12,8 +12,7 @@ from ..math.linear import factorise, uneven
 from ..mechanics.deformation import zero_strain
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import LARGEST_ALIKE, NO_FLEXIBILITY, SOFT_SIGN
 from ..results import RESULTS
 from ..statics.solve import solve_state

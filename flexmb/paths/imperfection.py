@@ -17,11 +17,9 @@ from ..math.indices import put
 from ..math.sparse import SparseFactors
 from ..mechanics.centreline import curves_of
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors
 from ..model.model import Model
-from ..model.parameters import Loads, Parameters
-from ..model.topology import Topology
+from ..model.topology import Loads, Parameters, Topology, coordinate_scales
 from ..numerical_limits import ALLOWED_STATE, LARGEST_ALIKE, SMALL_MOTION
 from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure

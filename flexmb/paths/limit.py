@@ -13,11 +13,9 @@ from ..arguments import check_number, check_whole
 from ..compilation.compile import unguarded
 from ..math.derivative import jvp_of_varied
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
 from ..results import RESULTS
 from ..statics.equilibrium import check_stiffness

@@ -21,13 +21,11 @@ from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
 from ..math.linear_solver import DENSE
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import extent_of
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, extent_of
 from ..numerical_limits import NO_LOAD, SMALL_IMPERFECTION
 from ..progress import reporting
 from ..questions.frequency import frequencies_along

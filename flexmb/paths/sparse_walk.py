@@ -17,11 +17,9 @@ from ..math.indices import put
 from ..math.linear import uneven
 from ..math.sparse import on_host_thread
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import lacks_potential, nodal_forces
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import LARGEST_ALIKE
 from ..results import RESULTS
 from ..statics.newton_search import Iterate, prescribed_values

@@ -10,12 +10,10 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import library_of
 from ..math.linear import diagonal_of, factorise
 from ..mechanics.deformation import deformations
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, load_factors, nodal_forces, scaled_loads
 from ..mechanics.residual import State, reduced_response
 from ..mechanics.stress_resultants import is_nonlinear, stress_of_loads
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import REUSED_CORRECTION, SMALLEST_COSINE, SMALLEST_SCALE, STEP_TOLERANCE, STRAIGHT_PATH
 from ..results import RESULTS
 from ..statics.newton_search import ACROSS_PATH, Iterate, Number, prescribed_values

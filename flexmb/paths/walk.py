@@ -10,11 +10,9 @@ from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from ..math.linear import factorise
 from ..mechanics.blocks import kernel
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.residual import state
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import (
     FIRST_ON_BRANCH,
     HOLD_ON_BRANCH,

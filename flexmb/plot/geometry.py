@@ -8,8 +8,7 @@ from jaxtyping import Float
 from ..elements.element import ELASTIC
 from ..mechanics.centreline import curves_of
 from ..model.model import Model
-from ..model.roles import Role
-from ..model.topology import Block
+from ..model.topology import Block, Role
 
 # Places along an element: multiples of 1/96 include halves and thirds, where a shape may have a corner.
 PLACES = np.linspace(0.0, 1.0, 97)

@@ -10,7 +10,7 @@ from jaxtyping import Float
 from ..math.rotation import LBAR
 from ..mechanics.loads import LoadFactors, nodal_forces
 from ..model.model import Model
-from ..model.roles import Role
+from ..model.topology import Role
 from .canvas import prefix_for
 from .geometry import nodes_of, places_of_rotations
 

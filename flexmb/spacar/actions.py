@@ -11,7 +11,7 @@ from ..build.builder import Builder
 from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..elements.spectral import LARGEST_ORDER
 from ..errors import printable
-from ..model.roles import Role
+from ..model.topology import Role
 from . import series as series
 from .kinds import KINDS, NOTHING, SIZES, leaf_section
 from .lines import DRAWING, Fault, Statement, is_zero, known

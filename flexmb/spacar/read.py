@@ -20,7 +20,7 @@ from ..compilation.compile import unguarded
 from ..display import Result, Summary, listed
 from ..elements import spatial
 from ..errors import ModelError, SpacarError, heard, printable
-from ..model.roles import Role
+from ..model.topology import Role
 from . import actions as act
 from . import outlines, trajectories
 from . import series as series

@@ -8,7 +8,7 @@ from ..build.builder import Builder
 from ..display import among
 from ..elements.nodes import NodeKind
 from ..errors import printable
-from ..model.roles import Role
+from ..model.topology import Role
 from . import series as series
 from .kinds import ElementKind
 from .lines import Fault, Statement

@@ -12,7 +12,7 @@ from ..errors import printable
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS
 from ..model.by_name import TURNS
 from ..model.model import MOTIONS, Labels
-from ..model.roles import Role
+from ..model.topology import Role
 from ..trajectory.laws import Law, quintic, scurve, septic
 from .actions import start_of, target
 from .lines import AXES, Fault, Statement, is_zero, known

@@ -23,7 +23,7 @@ from ..elements.sections import MaterialDamping, Rectangle, Section
 from ..errors import ModelError, printable
 from ..files import write_whole
 from ..model.by_name import TURNS
-from ..model.roles import Role
+from ..model.topology import Role
 from ..numerical_limits import SAME_POISSON
 from . import outlines, trajectories
 from . import series as series

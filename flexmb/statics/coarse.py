@@ -15,9 +15,9 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, CoarseWarning, warn
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.stress_resultants import is_nonlinear, known_stiffness_pieces
 from ..model.model import Model
+from ..model.topology import coordinate_scales
 from ..numerical_limits import (
     COARSE_ANGLE,
     FINE_TWIST_ORDER,

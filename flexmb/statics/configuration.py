@@ -14,12 +14,10 @@ from ..display import Result, Summary, largest, unit_of_rate
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import put
 from ..mechanics.deformation import Transfer, correction, deformation_jacobian, transfer, zero_strain
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import CONFIGURATION_STEP, CONSTRAINTS_MET, FOLDED_MECHANISM, SETTLED_CONFIGURATION
 from ..results import RESULTS, check, or_nan, outcome_text
 from .newton_search import prescribed_values

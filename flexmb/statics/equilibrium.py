@@ -23,8 +23,7 @@ from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
 from ..results import RESULTS, check, or_nan, outcome_text
 from .coarse import warn_of_coarse

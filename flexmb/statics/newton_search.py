@@ -16,11 +16,9 @@ from jaxtyping import Array, Bool, Float, Int
 from ..math.indices import accumulate, put
 from ..math.linear import uneven
 from ..mechanics.deformation import deformations, zero_strain
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.loads import LoadFactors, has_loads, is_idle, scaled_loads
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest, thermal_deformations
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import CRITICAL_SHARE, LOOSE_TOLERANCE, SMALLEST_LOAD_STEP, STEP_TOLERANCE
 from ..results import RESULTS
 

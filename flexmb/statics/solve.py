@@ -16,8 +16,7 @@ from ..mechanics.inertia import InertialLoad, weight
 from ..mechanics.loads import LoadFactors, has_loads, nodal_forces, scaled_loads
 from ..mechanics.residual import State, iterate, linear_response, state
 from ..mechanics.stress_resultants import element_stiffness, is_nonlinear_at_rest, stress_resultants
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS
 from .newton_search import Begin, Correction, Iterate, MatrixForm, Searched, prescribed_values, search_equilibrium

@@ -27,8 +27,7 @@ from ..mechanics.deformation import deformations, zero_strain
 from ..mechanics.inertia import InertialLoad, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF
 from ..results import RESULTS, check, collect, collects, or_nan
 from .newton_search import (

@@ -16,8 +16,7 @@ from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology
 from ..results import ANSWERED, RESULTS, collect, or_nan
 from .coarse import warn_of_coarse
 from .equilibrium import Equilibrium, check_stiffness, load_factor_text

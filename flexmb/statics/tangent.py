@@ -15,7 +15,6 @@ from ..math.indices import accumulate, put
 from ..math.sparse import SparseFactors
 from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.inertia import weight_pieces
 from ..mechanics.loads import LoadFactors, load_pieces, scaled_loads
 from ..mechanics.stress_resultants import (
@@ -26,8 +25,7 @@ from ..mechanics.stress_resultants import (
     strain_of,
     stress_of_strain,
 )
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 
 
 def unknowns(topology: Topology) -> tuple[Array, Array, Array]:

@@ -13,11 +13,9 @@ from ..compilation.compile import jit, jit_beside_options
 from ..display import listed, short
 from ..errors import AnalysisError, ModelError, warn
 from ..mechanics.deformation import deformation_jacobian
-from ..mechanics.extent import coordinate_scales, extent_of
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, combined, terms_of
 from ..model.model import Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales, extent_of
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.element_forces import deformations_and_slopes

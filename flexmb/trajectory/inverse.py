@@ -20,10 +20,10 @@ from ..math.indices import accumulate, put
 from ..math.linear import factorise
 from ..math.rotation import rotation_since
 from ..mechanics.deformation import Transfer, correction, deformations, transfer, zero_strain
-from ..mechanics.extent import coordinate_scales
 from ..mechanics.signals import DEFORMATION_ORDERS, ORDERS, rotation_row
 from ..model.by_name import turn_of
 from ..model.model import Model, Signal, as_determined, as_known_model
+from ..model.topology import coordinate_scales
 from ..motion.coordinates_form import CoordinatesForm, coordinates_form
 from ..motion.drive import Driven, Table
 from ..motion.drives_by_name import Drives, driven_by, warn_of_left_out

@@ -19,10 +19,8 @@ from ..display import Result, States, Summary, largest, short
 from ..linear.linearize import Linearization, Matrices
 from ..linear.loose import without_mass
 from ..math.linear import factorise
-from ..mechanics.extent import coordinate_scales
 from ..model.model import Labels, Model
-from ..model.parameters import Parameters
-from ..model.topology import Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..motion.coordinates_form import coordinates_form
 from ..motion.drive import Driven
 from ..motion.motion import Motion

@@ -13,7 +13,7 @@ from ..checks.mobility import Mobility, mobility
 from ..display import counted
 from ..errors import MechanismError, ModelError, first_line, heard
 from ..model.model import Model
-from ..model.roles import HELD
+from ..model.topology import HELD
 
 # Number of names in a message.
 LISTED = 4

@@ -24,7 +24,7 @@ from ..elements.sections import Rigidity
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, tilted_by, turned_by
 from ..model.model import Model, Signal
-from ..model.roles import HELD, Role
+from ..model.topology import HELD, Role
 from ..plot.sections import unstacked
 
 # Methods that put an element without a name on a node, by its type.

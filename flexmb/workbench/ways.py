@@ -15,7 +15,7 @@ from ..elements.section import Material
 from ..errors import AnalysisError, heard
 from ..linear.linearize import linearize
 from ..model.model import Model
-from ..model.parameters import Parameters
+from ..model.topology import Parameters
 from ..numerical_limits import REPEATED_ANSWER, SAME_ANSWER
 from ..plot.geometry import element_names
 from ..results import RESULTS, check, collected, worst_of

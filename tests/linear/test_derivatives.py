@@ -9,7 +9,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
-from flexmb.model.parameters import Parameters
+from flexmb.model.topology import Parameters
 
 T = mechanisms.THICKNESS
 

@@ -15,7 +15,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.answers.mode_1_simulate import over_time
-from flexmb.model.roles import Role
+from flexmb.model.topology import Role
 
 fm.enable_x64()
 
