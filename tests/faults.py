@@ -1758,9 +1758,9 @@ FAULTS = [
         "compilation/test_program.py -k what_several",
     ),
     Fault(
-        "mechanics/blocks.py",
-        "return lambda x, ref, element_properties: function(x, ref, chosen(block, element_properties))",
-        "return lambda x, ref, element_properties: function(x, x, chosen(block, element_properties))",
+        "mechanics/prepared.py",
+        "return lambda x, ref, properties: function(x, ref, deforming(block, properties))",
+        "return lambda x, ref, properties: function(x, x, deforming(block, properties))",
         "elements/test_leaf.py -k fold_beside",
         slow=True,
     ),

@@ -16,11 +16,11 @@ from ..arguments import check_numbers, check_real, is_concrete, short_repr
 from ..compilation.kept import remembered
 from ..compilation.record import Record
 from ..elements.curves import CurvedLine, curvature_along
-from ..elements.element import COMPANIONS, NONLINEAR, Element, wanted_option
+from ..elements.element import COMPANIONS, Element, wanted_option
 from ..elements.leaf_ends import PlanarRoots, Roots
 from ..elements.sections import Damping, Material, Section
 from ..errors import ModelError, first_line
-from ..mechanics.blocks import heat_sizes
+from ..mechanics.blocks import companion_arguments, vector_shape
 from .assemble import is_option, stack
 from .mistaken_units import warn_of_material, warn_of_section
 
@@ -319,7 +319,7 @@ class _WrongFunction(Exception):
 @remembered
 def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> int:
     options = dict(chosen)
-    nodes = [jax.ShapeDtypeStruct((kind.size,), float) for kind in element.nodes.values()]
+    nodes = [vector_shape(kind.size) for kind in element.nodes.values()]
     numbers = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(shape, float) for shape in shapes])
 
     def returned(kind: str, companion: Callable[..., Any], arguments: list, **extra: Any) -> Any:
@@ -343,7 +343,7 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
                 first += "; every function of an element takes `ref` by name, as in def f(.., *, ref)"
             raise _WrongFunction(f"{kind} cannot be computed: {first}") from fault
 
-    keywords = {"near": _vector(64)} if element.tracks_angle else {}
+    keywords = {"near": vector_shape(64)} if element.tracks_angle else {}
     deformations = returned("deformation", element.deformation, nodes, **keywords)
     if not isinstance(deformations, jax.ShapeDtypeStruct) or len(deformations.shape) != 1:
         raise _WrongFunction(f"deformation must be a vector of shape (n,), but is {_described(deformations)}.")
@@ -353,14 +353,14 @@ def _count(element: Element, chosen: tuple, structure: Any, shapes: tuple) -> in
         if any(not 1 <= i <= n for i in indices):
             raise _WrongFunction(f"`{name}` names deformations {indices}, but it has {n}.")
     _check_names(element, n)
-    positional, extra = _arguments(element, n)
+    positional, extra = companion_arguments(element, n)
     for kind in COMPANIONS:
         companion = getattr(element, kind)
         if companion is None or (kind in SURE and companion.__module__.startswith("flexmb.")):
             continue
         if kind == "thermal" and not element.expands({**numbers, **options}):
             continue
-        answer = returned(kind, companion, positional.get(kind, nodes), **extra.get(kind, {}))
+        answer = returned(kind, companion, list(positional.get(kind, nodes)), **extra.get(kind, {}))
         if answer is not None:
             _check_answer(element, kind, n, answer)
     return n
@@ -374,28 +374,6 @@ def _check_names(element: Element, n: int) -> None:
     for number, name in names.items():
         if not str(name).isidentifier() or name in ("element", "increment") or element.number_of(name) != number:
             raise _WrongFunction(f"`names` calls deformation {number} {short_repr(name)}: choose another word for it.")
-
-
-def _vector(size: int) -> jax.ShapeDtypeStruct:
-    return jax.ShapeDtypeStruct((size,), float)
-
-
-def _arguments(element: Element, n: int) -> tuple[dict[str, list], dict[str, dict[str, Any]]]:
-    """Shapes of arguments of companions for n deformations: positional ones instead of nodes, and keywords."""
-    positional = {
-        "thermal": [_vector(size) for size in heat_sizes(element)],
-        "stiffness": [],
-        "damping": [],
-        **{k: [_vector(n), _vector(n)] for k in NONLINEAR},
-        "energy": [_vector(n)],
-        "surface": [_vector(n)],
-    }
-    place = jax.ShapeDtypeStruct((), float)
-    by_name = {
-        "resultants": {"place": place, "sigma": _vector(n)},
-        "surface": {"place": place, "resultants": _vector(6)},
-    }
-    return positional, by_name
 
 
 def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:

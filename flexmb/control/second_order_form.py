@@ -23,7 +23,7 @@ from ..math.element_matrices import (
     transposed,
 )
 from ..math.indices import accumulate, put
-from ..mechanics.blocks import kernel
+from ..mechanics.prepared import kernel
 from ..mechanics.signals import (
     DEFORMATION_ORDERS,
     ORDERS,

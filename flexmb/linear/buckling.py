@@ -16,9 +16,9 @@ from ..errors import ModelError, warn
 from ..math.indices import put
 from ..math.linear import factorise, general_eigen, is_positive_definite, pencil
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
-from ..mechanics.blocks import kernel
 from ..mechanics.deformation import deformation_curvature, deformation_jacobian, multipliers
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of, load_stiffness, nodal_forces, scaled_loads
+from ..mechanics.prepared import kernel
 from ..mechanics.residual import State, linear_response, state
 from ..mechanics.stress_resultants import stress_of_loads
 from ..model.model import Model, as_determined, as_model

@@ -16,9 +16,9 @@ from ..display import Result, States, Summary, listed, short
 from ..math.element_matrices import AssembledEquations, ElementMatrices, SparseMatrices, by_coordinates
 from ..math.linear_solver import DENSE as DENSE_SOLVER
 from ..math.linear_solver import SPARSE, LinearSolver
-from ..mechanics.blocks import kernel
 from ..mechanics.inertia import InertialLoad, mass_matrix, mass_pieces
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of, scaled_loads
+from ..mechanics.prepared import kernel
 from ..mechanics.residual import State, state
 from ..mechanics.stress_resultants import depends_on_rates, element_damping, strain_of, stress_tangents
 from ..model.by_name import ByName, node_motions

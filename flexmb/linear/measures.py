@@ -9,8 +9,8 @@ from jaxtyping import Array, Float, Int
 
 from ..arguments import check_number, check_numbers, check_real, check_whole, is_concrete, numbers, short_repr
 from ..display import kind_of
-from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
+from ..mechanics.prepared import kernel
 from ..model.model import Model, as_determined
 from ..model.topology import Parameters, Topology
 from ..numerical_limits import ONE_CLUSTER

@@ -15,8 +15,8 @@ from ..compilation.threads import one_thread
 from ..display import Labelled, Quantities, States, Summary, modal_summary, numbered_quantities
 from ..math.element_matrices import AssembledEquations, matrix_times
 from ..math.linear_solver import DENSE, LinearSolver
-from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
+from ..mechanics.prepared import kernel
 from ..model.model import Model, as_determined
 from ..model.topology import Parameters, Topology
 from ..results import RESULTS, check, collects, or_nan

@@ -5,8 +5,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..display import kind_of
-from ..mechanics.blocks import kernel
 from ..mechanics.deformation import correction, deformation_jacobian, transfer
+from ..mechanics.prepared import kernel
 from ..model.topology import Parameters, Topology
 from .about import linearized
 from .linearize import Linearization, Matrices

@@ -22,10 +22,10 @@ from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMa
 from ..math.indices import accumulate, put
 from ..math.linear import uneven
 from ..math.linear_solver import LinearSolver
-from ..mechanics.blocks import kernel
 from ..mechanics.deformation import curvature_pieces, deformations
 from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
+from ..mechanics.prepared import kernel
 from ..model.model import Model
 from ..model.topology import Parameters, Topology
 from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER

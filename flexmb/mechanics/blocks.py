@@ -1,8 +1,7 @@
-"""Calls of element functions on all elements of a block, and sums of their results over the mechanism."""
+"""Calls of the functions of element types on all elements of a block."""
 
 import dataclasses
 import functools
-import inspect
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -12,112 +11,17 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from ..arguments import is_concrete
-from ..compilation.compile import as_primitives, jit, traced_once
+from ..compilation.compile import as_primitives, traced_once
 from ..compilation.kept import as_nested_text
-from ..compilation.program import Captured, Code, captured, digest, split_together
-from ..compilation.record import Record, static
+from ..compilation.program import Captured, Code, captured, digest
 from ..elements.element import NONLINEAR, Element
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity, Section
 from ..errors import ModelError
-from ..math.indices import accumulate
 from ..model.topology import Block, Parameters, Topology
-from .staged import Staged
 
 # Prefix of a companion's name: traced numbers that the companion refers to, stored among the properties.
 NUMBERS = "numbers of "
-# Companions of series elements that a kernel calls several times.
-REPEATED = ("deformation", "stiffness", "inertia", "energy")
-# Companions that take coordinates of nodes.
-OF_NODES = ("deformation", "inertia")
-
-
-class Prepared(Record):
-    """Companions of a block after the part that depends on the reference and the properties alone.
-
-    Attributes:
-        functions: For each companion, ``f(x_el, *numbers_el)`` of one element; without x_el if it needs none.
-        numbers: Results of that part, stacked over the elements.
-    """
-
-    functions: tuple[tuple[str, Callable[..., Any]], ...] = static()
-    numbers: tuple[Array, ...]
-
-
-def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """As :func:`flexmb.jit`, for a function of a topology, its parameters, and more.
-
-    Elements with strain series compute some numbers only from reference and properties, such as the quadrature along a
-    varying section. These numbers are computed once, since a kernel uses them in many places and would compile each.
-    """
-
-    @functools.wraps(function)
-    def prepared(topology: Topology, parameters: Parameters, *arguments: Any, **options: Any):
-        return function(topology, _prepared(topology, parameters), *arguments, **options)
-
-    return jit(prepared)
-
-
-def _prepared(topology: Topology, parameters: Parameters) -> Parameters:
-    """Parameters with :class:`Prepared` companions for blocks with strain series."""
-    if parameters.prepared is not None:
-        return parameters
-    prepared = []
-    for block, properties in zip(topology.blocks, parameters.properties, strict=True):
-        prepared.append(None)
-        if block.element.series is None or not _is_of_package(block.element) or not _compiles():
-            continue
-        names = tuple(name for name in REPEATED if companion_of(block, properties, name)[0] is not None)
-        if names:
-            stacked = parameters.reference[block.x], with_rigidities(properties)
-            leaves, structure = jax.tree.flatten(stacked)
-            shapes = tuple((leaf.shape[1:], leaf.dtype) for leaf in leaves)
-            early, functions = _split_companions(
-                names, block.element, block.options, block.splits, block.e.shape[1], structure, shapes
-            )
-            prepared[-1] = Prepared(functions, jax.vmap(early)(*stacked))
-    return dataclasses.replace(parameters, prepared=tuple(prepared)) if any(prepared) else parameters
-
-
-@functools.lru_cache(256)
-def _split_companions(
-    names: tuple[str, ...],
-    element: Element,
-    options: tuple[tuple[str, object], ...],
-    splits: tuple[int, ...],
-    n_e: int,
-    structure: Any,
-    shapes: tuple[tuple[tuple[int, ...], Any], ...],
-):
-    """Companions of one element, split into what needs reference and properties alone, and the rest of each."""
-    ref, element_properties = jax.tree.unflatten(structure, [jax.ShapeDtypeStruct(*leaf) for leaf in shapes])
-    x: Any = np.zeros((1, 0), int)
-    e: Any = np.zeros((1, n_e), int)
-    block = Block(element, names, options, x, e, splits)
-    sizes = np.diff([0, *splits, *ref.shape])
-    nodes = [jax.ShapeDtypeStruct((int(size),), ref.dtype) for size in sizes]
-    varying: dict[str, tuple] = {"stiffness": (), "energy": ((jax.ShapeDtypeStruct((n_e,), float),),)}
-    varying |= dict.fromkeys(OF_NODES, (nodes,))
-    pairs = [(_alone(block, element_properties, name), varying.get(name, (ref,))) for name in names]
-    early, late = split_together(pairs, (ref, element_properties))
-    functions = dict(zip(names, late, strict=True))
-    kinds = list(element.nodes.values())
-    # Planar elements have too few operations to gain by stages.
-    if all(kind.dimension == 3 for kind in kinds):
-        is_inner = [kind.part not in ("position", "rotation") for kind in kinds]
-        numbers = jax.eval_shape(early, ref, element_properties)
-        functions |= {name: Staged(functions[name], nodes, is_inner, numbers) for name in names if name in OF_NODES}
-    return early, tuple(functions.items())
-
-
-def _alone(block: Block, like: dict[str, Any], name: str):
-    """A companion of one element as a function of its arguments, its reference and its properties."""
-    # Unwrapped, since it is split operation by operation anyway.
-    function: Any = inspect.unwrap(companion_of(block, like, name)[0])
-    chosen = deforming if name == "deformation" else lambda block, element_properties: element_properties
-    if name == "stiffness":
-        return lambda ref, element_properties: function(ref, ref, element_properties)
-    return lambda x, ref, element_properties: function(x, ref, chosen(block, element_properties))
 
 
 def element_function(block: Block, companion: Callable[..., Any] | None, properties: dict[str, Any]):
@@ -149,26 +53,13 @@ def each_block(topology: Topology, parameters: Parameters, companion: str) -> It
     """Blocks with a companion: block, function of one element, stacked reference coordinates, stacked properties."""
     known = parameters.prepared or [None] * len(topology.blocks)
     for block, properties, prepared in zip(topology.blocks, parameters.properties, known, strict=True):
-        late = dict(prepared.functions).get(companion) if prepared else None
-        if prepared and late:
-            yield block, _called(late, companion, block.splits), parameters.reference[block.x], prepared.numbers
-            continue
-        function, properties = companion_of(block, properties, companion)
+        function = dict(prepared.functions).get(companion) if prepared else None
+        if prepared and function is not None:
+            properties = prepared.numbers
+        else:
+            function, properties = companion_of(block, properties, companion)
         if function is not None:
             yield block, function, parameters.reference[block.x], properties
-
-
-def _called(late: Callable[..., Any], companion: str, splits: tuple[int, ...]):
-    """The remaining part of a companion, with the signature of the companion."""
-    if isinstance(late, Staged):
-        return late
-
-    def function(x: Any, ref: Float[Array, "c"], numbers: tuple[Array, ...]):
-        if companion in OF_NODES:
-            x = x if isinstance(x, list) else jnp.split(x, splits)
-        return late(*numbers) if companion == "stiffness" else late(x, *numbers)
-
-    return function
 
 
 def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tuple[Any, dict[str, Any]]:
@@ -185,7 +76,7 @@ def companion_of(block: Block, properties: dict[str, Any], companion: str) -> tu
         return _with_numbers(meaning, companion), properties
     if (
         meaning is not None
-        and _compiles()
+        and compiles()
         and meaning != digest(_element_program(block, companion, function, properties))
     ):
         raise ModelError(
@@ -220,7 +111,7 @@ def with_meaning(block: Block, properties: dict[str, Any]) -> tuple[Block, dict[
 
     Traced numbers that such a function refers to become properties, so that derivatives and batches pass through.
     """
-    if _is_of_package(block.element) or not _compiles():
+    if is_of_package(block.element) or not compiles():
         return block, properties
     meanings: list[tuple[str, Any]] = []
     numbers = {}
@@ -247,7 +138,7 @@ def _with_numbers(code: Code, companion: str):
 
 
 @functools.lru_cache(1000)
-def _is_of_package(element: Element) -> bool:
+def is_of_package(element: Element) -> bool:
     """Whether an element uses functions of the package alone."""
     try:
         as_nested_text(element)
@@ -256,7 +147,7 @@ def _is_of_package(element: Element) -> bool:
     return True
 
 
-def _compiles() -> bool:
+def compiles() -> bool:
     """False under ``jax.disable_jit``, where traces differ."""
     config: Any = jax.config
     return not config.jax_disable_jit
@@ -264,24 +155,34 @@ def _compiles() -> bool:
 
 def _element_program(block: Block, companion: str, function: Any, properties: dict[str, Any]) -> Captured:
     """A function of one element as a program and its captured numbers."""
-    n, place = block.e.shape[1], jax.ShapeDtypeStruct((), float)
-    e, coordinates = jax.ShapeDtypeStruct((n,), float), jax.ShapeDtypeStruct(block.x.shape[1:], float)
+    n = block.e.shape[1]
+    positional, keywords = companion_arguments(block.element, n)
+    coordinates = jax.ShapeDtypeStruct(block.x.shape[1:], float)
     element_properties = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(np.shape(leaf)[1:], float), properties)
-    heat = tuple(jax.ShapeDtypeStruct((k,), float) for k in heat_sizes(block.element))
-    own_arguments = {"energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e), "thermal": heat}
-    arguments: Any = own_arguments.get(companion, coordinates)
-    wrench = jax.ShapeDtypeStruct((6,), float)
-    along = {"resultants": {"place": place, "sigma": e}, "surface": {"place": place, "resultants": wrench}}
-    extra: dict[str, Any] = dict(along.get(companion, {}))
+    extra = dict(keywords.get(companion, {}))
     if companion == "deformation" and block.element.tracks_angle:
-        extra["near"] = e
+        extra["near"] = vector_shape(n)
     return captured(
         lambda x, ref, element_properties, extra: function(x, ref, element_properties, **extra),
-        arguments,
+        positional.get(companion) or coordinates,
         coordinates,
         element_properties,
         extra,
     )
+
+
+def vector_shape(size: int) -> jax.ShapeDtypeStruct:
+    """Shape of a vector of floats."""
+    return jax.ShapeDtypeStruct((size,), float)
+
+
+def companion_arguments(element: Element, n: int) -> tuple[dict[str, tuple], dict[str, dict[str, Any]]]:
+    """Shapes of the arguments of companions for n deformations: positional ones instead of nodes, and keywords."""
+    e, place = vector_shape(n), jax.ShapeDtypeStruct((), float)
+    positional = {"stiffness": (), "damping": (), "energy": (e,), "surface": (e,), "dissipation": (e, e), "law": (e, e)}
+    positional["thermal"] = tuple(map(vector_shape, heat_sizes(element)))
+    along = {"resultants": {"place": place, "sigma": e}, "surface": {"place": place, "resultants": vector_shape(6)}}
+    return positional, along
 
 
 def heat_sizes(element: Element) -> tuple[int, ...]:
@@ -309,56 +210,3 @@ def _rigidities(stacks: tuple[Section, ...]) -> Rigidity:
 
     columns = jnp.concatenate([jax.vmap(numbers)(stack) for stack in stacks])
     return jax.tree.unflatten(jax.tree.structure(like), list(columns.T))
-
-
-def scatter_matrix(size: tuple[int, int], pieces: list[tuple[Array, Array, Array]]) -> Float[Array, "rows columns"]:
-    """Matrix assembled from element matrices: row indices (elements, r), column indices (elements, c), matrices."""
-    return scatter_matrices(size, [(rows, columns, (matrices,)) for rows, columns, matrices in pieces], 1)[0]
-
-
-def scatter_matrices(
-    size: tuple[int, int], pieces: list[tuple[Array, Array, tuple[Array, ...]]], count: int
-) -> list[Float[Array, "rows columns"]]:
-    """Several matrices assembled from element matrices with the same places; see :func:`scatter_matrix`."""
-    flat = [(rows[:, :, None] * size[1] + columns[:, None, :], matrices) for rows, columns, matrices in pieces]
-    return [vector.reshape(size) for vector in scatter_vectors(size[0] * size[1], flat, count)]
-
-
-def scatter_vector(size: int, pieces: list[tuple[Array, Array]]) -> Float[Array, "size"]:
-    """Vector assembled from element vectors."""
-    return scatter_vectors(size, [(indices, (vectors,)) for indices, vectors in pieces], 1)[0]
-
-
-def scatter_vectors(size: int, pieces: list[tuple[Array, tuple[Array, ...]]], count: int) -> list[Float[Array, "size"]]:
-    """Several vectors assembled in one loop, since each loop takes time to compile."""
-    if not pieces:
-        return [jnp.zeros(size)] * count
-    indices = jnp.concatenate([indices.reshape(-1) for indices, _ in pieces])
-    values = [jnp.concatenate([vectors[i].reshape(-1) for _, vectors in pieces]) for i in range(count)]
-    if count == 1:
-        return [accumulate(jnp.zeros(size), indices, values[0])]
-    assembled = accumulate(jnp.zeros((size, count)), indices, jnp.stack(values, axis=1))
-    return [assembled[:, i] for i in range(count)]
-
-
-def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
-    """Return a function for the derivatives by the coordinates, on the last axis of each array, and the value."""
-    if isinstance(function, Staged):
-        return function.derivative
-
-    def with_value(x: Float[Array, "c"], *arguments: Any):
-        value = function(x, *arguments)
-        return value, value
-
-    return jax.jacfwd(with_value, has_aux=True)
-
-
-def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
-    """Return ``f(x_el, sigma_el, *arguments_el) -> (c, c)`` for second derivatives of sigma . e of an element."""
-    if isinstance(function, Staged):
-        return function.curvature
-
-    def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *arguments: Any):
-        return sigma @ function(x, *arguments)
-
-    return jax.jacfwd(jax.grad(energy))

@@ -9,10 +9,11 @@ import numpy as np
 from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import jit, traced_once
-from ..math.indices import accumulate, put
+from ..math.indices import accumulate, put, scatter_matrix, scatter_vector
 from ..math.linear import Factors, factorise
 from ..model.topology import Block, Parameters, Topology
-from .blocks import companion_of, curvature, derivative, each_block, scatter_matrix, scatter_vector, with_rigidities
+from .blocks import companion_of, each_block, with_rigidities
+from .staged import curvature, derivative
 
 # With more coordinates, matrices on the host are sparse. Dense ones take ten seconds for 600 beams and seven gigabytes
 # for 10 000.

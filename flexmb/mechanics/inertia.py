@@ -8,9 +8,10 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..compilation.compile import traced_once
-from ..math.indices import put
+from ..math.indices import put, scatter_matrix, scatter_vector
 from ..model.topology import Block, Parameters, Topology
-from .blocks import derivative, each_block, scatter_matrix, scatter_vector
+from .blocks import each_block
+from .staged import derivative
 
 
 class InertialLoad(NamedTuple):

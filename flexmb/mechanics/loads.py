@@ -10,9 +10,10 @@ from jaxtyping import Array, Bool, Float
 
 from ..arguments import as_floats, check_number, is_concrete
 from ..errors import ModelError, warn
+from ..math.indices import scatter_matrix, scatter_vector
 from ..model.model import Model
 from ..model.topology import Loads, Parameters, Topology
-from .blocks import each_block, scatter_matrix, scatter_vector
+from .blocks import each_block
 from .inertia import weight, weight_stiffness
 
 

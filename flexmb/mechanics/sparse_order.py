@@ -15,9 +15,9 @@ from jaxtyping import Array, Float, Inexact, Int
 from ..compilation.host import call_host
 from ..compilation.record import Record, static
 from ..errors import AnalysisError
+from ..math.indices import scatter_vector
 from ..math.sparse import SparseFactors, SparsePattern, on_host_thread
 from ..model.topology import Block, Topology
-from .blocks import scatter_vector
 
 # Number of stored factors: two of a step, and the factors of the projection onto the constraints.
 MOST_FACTORS = 4

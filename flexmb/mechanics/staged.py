@@ -1,4 +1,4 @@
-"""Element functions in two stages: first the inner coordinates, then all; derivatives by the chain rule."""
+"""Derivatives of element functions, some in two stages: first by the inner coordinates, then by all."""
 
 import itertools
 from collections.abc import Callable, Sequence
@@ -120,3 +120,26 @@ def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[
     changes = jnp.concatenate([jnp.zeros((outer.size, slopes.shape[1])), jnp.eye(outer.size)], axis=1)
     along = jnp.concatenate([slopes, jnp.zeros((shape.size, outer.size))], axis=1)
     return jax.vmap(lambda *change: jax.jvp(function, at, change), (1, 1), (None, -1))(changes, along)
+
+
+def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
+    """Return a function for the derivatives by the coordinates, on the last axis of each array, and the value."""
+    if isinstance(function, Staged):
+        return function.derivative
+
+    def with_value(x: Float[Array, "c"], *arguments: Any):
+        value = function(x, *arguments)
+        return value, value
+
+    return jax.jacfwd(with_value, has_aux=True)
+
+
+def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:
+    """Return ``f(x_el, sigma_el, *arguments_el) -> (c, c)`` for second derivatives of sigma . e of an element."""
+    if isinstance(function, Staged):
+        return function.curvature
+
+    def energy(x: Float[Array, "c"], sigma: Float[Array, "n"], *arguments: Any):
+        return sigma @ function(x, *arguments)
+
+    return jax.jacfwd(jax.grad(energy))

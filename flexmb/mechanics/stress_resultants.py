@@ -9,8 +9,9 @@ from jaxtyping import Array, Float
 
 from ..compilation.compile import jit, traced_once
 from ..elements.element import NONLINEAR
+from ..math.indices import scatter_matrix, scatter_vector
 from ..model.topology import Block, Loads, Parameters, Topology
-from .blocks import each_block, heat_sizes, scatter_matrix, scatter_vector
+from .blocks import each_block, heat_sizes
 from .inertia import InertialLoad, fall
 
 

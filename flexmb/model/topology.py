@@ -156,7 +156,7 @@ class Parameters(Record):
         start: Degrees of freedom and their rates at the start of a simulation, twice (n_q,), or None: zero.
         weights: Weights of the terms of all inputs, and of all outputs, in their order, or None: one each.
         prepared: Within a compiled kernel, results of elements that depend on reference and properties alone, by block
-            (:func:`flexmb.mechanics.blocks.kernel`); None elsewhere.
+            (:func:`flexmb.mechanics.prepared.kernel`); None elsewhere.
     """
 
     reference: Float[Array, "n_x"]

@@ -11,8 +11,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
-from ..math.indices import put
-from ..mechanics.blocks import scatter_vector
+from ..math.indices import put, scatter_vector
 from ..mechanics.sparse_order import SparseOrder, moving_blocks, solution
 from ..mechanics.stress_resultants import is_nonlinear, stiffness_pieces, strain_of
 from ..model.model import Model

@@ -14,8 +14,9 @@ from jaxtyping import Array, Float, Int
 
 from ..compilation.program import split_constants
 from ..compilation.record import Record, static
+from ..math.indices import scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
 from ..math.linear import multiplied
-from ..mechanics.blocks import companion_of, scatter_matrices, scatter_matrix, scatter_vector, scatter_vectors
+from ..mechanics.blocks import companion_of
 from ..model.topology import Block, Parameters, Topology
 
 

@@ -14,9 +14,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from ..compilation.compile import jit_beside_options
-from ..math.indices import put
+from ..math.indices import put, scatter_vector, scatter_vectors
 from ..math.linear import factorise
-from ..mechanics.blocks import scatter_vector, scatter_vectors
 from ..mechanics.inertia import mass_matrix
 from .coordinates_form import CoordinatesForm
 from .protocol import MotionState

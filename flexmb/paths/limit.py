@@ -12,7 +12,7 @@ from jaxtyping import Array, Bool, Float, Int
 from ..arguments import check_number, check_whole
 from ..compilation.compile import unguarded
 from ..math.derivative import jvp_of_varied
-from ..mechanics.blocks import kernel
+from ..mechanics.prepared import kernel
 from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
 from ..model.topology import Parameters, Topology, coordinate_scales

@@ -20,8 +20,8 @@ from ..linear.linearize import AboutState, Linearization, Matrices, matrices_at
 from ..linear.loose import refuse_negative_mass
 from ..linear.spectrum import general_spectrum, spectrum, to_frequency, without_growth
 from ..math.linear_solver import DENSE
-from ..mechanics.blocks import kernel
 from ..mechanics.loads import lacks_potential
+from ..mechanics.prepared import kernel
 from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model

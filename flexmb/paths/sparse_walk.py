@@ -16,8 +16,8 @@ from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.indices import put
 from ..math.linear import uneven
 from ..math.sparse import on_host_thread
-from ..mechanics.blocks import kernel
 from ..mechanics.loads import lacks_potential, nodal_forces
+from ..mechanics.prepared import kernel
 from ..model.model import Model
 from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import LARGEST_ALIKE

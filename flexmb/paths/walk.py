@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Bool, Float, Int
 
 from ..math.linear import factorise
-from ..mechanics.blocks import kernel
+from ..mechanics.prepared import kernel
 from ..mechanics.residual import state
 from ..model.model import Model
 from ..model.topology import Parameters, Topology, coordinate_scales

@@ -5,8 +5,8 @@ from typing import Any
 from jaxtyping import Array, Float
 
 from ..compilation.compile import unguarded
-from ..mechanics.blocks import kernel
 from ..mechanics.inertia import total_mass
+from ..mechanics.prepared import kernel
 from ..model.model import Model, as_model
 from .question import Question, model_of
 

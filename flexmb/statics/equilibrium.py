@@ -17,9 +17,9 @@ from ..math.element_matrices import AssembledEquations
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..math.sparse import unresisted
 from ..math.subspace import null_spaces
-from ..mechanics.blocks import kernel
 from ..mechanics.inertia import InertialLoad
 from ..mechanics.loads import LoadFactors, lacks_potential, load_factors_of
+from ..mechanics.prepared import kernel
 from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness_pieces
 from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model

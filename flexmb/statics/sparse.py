@@ -19,13 +19,13 @@ from ..errors import AnalysisError, ModelError
 from ..math.by_deformations import forces, refined_solution, saddle_product
 from ..math.derivative import jvp_of_varied
 from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices
-from ..math.indices import put
+from ..math.indices import put, scatter_vector
 from ..math.linear_solver import SPARSE, LinearSolver
 from ..math.sparse import SparseFactors, on_host_thread
-from ..mechanics.blocks import kernel, scatter_vector
 from ..mechanics.deformation import deformations, zero_strain
 from ..mechanics.inertia import InertialLoad, weight
 from ..mechanics.loads import LoadFactors, has_loads, lacks_potential, nodal_forces, scaled_loads
+from ..mechanics.prepared import kernel
 from ..mechanics.stress_resultants import free_deformations, is_nonlinear_at_rest
 from ..model.topology import Parameters, Topology
 from ..numerical_limits import DEFORMATION_ROUND_OFF

@@ -12,8 +12,8 @@ from ..compilation.compile import unguarded
 from ..compilation.record import Record
 from ..display import Labelled, States, Summary, course, span
 from ..errors import ModelError, warn
-from ..mechanics.blocks import kernel
 from ..mechanics.loads import LoadFactors, lacks_potential, warn_of_increment
+from ..mechanics.prepared import kernel
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.topology import Parameters, Topology

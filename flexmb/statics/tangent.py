@@ -11,9 +11,8 @@ from ..arguments import computed
 from ..compilation.compile import jit
 from ..math.by_deformations import deformations_of_motions, energies_between, forces_of, motions_from_free
 from ..math.element_matrices import AssembledEquations, BlockMatrices, ElementMatrices, by_coordinates
-from ..math.indices import accumulate, put
+from ..math.indices import accumulate, put, scatter_vector
 from ..math.sparse import SparseFactors
-from ..mechanics.blocks import scatter_vector
 from ..mechanics.deformation import curvature_pieces, jacobian_pieces
 from ..mechanics.inertia import weight_pieces
 from ..mechanics.loads import LoadFactors, load_pieces, scaled_loads

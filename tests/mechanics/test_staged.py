@@ -6,8 +6,9 @@ import pytest
 
 import flexmb as fm
 from flexmb import spatial
-from flexmb.mechanics.blocks import _prepared, curvature, derivative, each_block
-from flexmb.mechanics.staged import Staged
+from flexmb.mechanics.blocks import each_block
+from flexmb.mechanics.prepared import _prepared
+from flexmb.mechanics.staged import Staged, curvature, derivative
 
 SECTION = fm.Rectangle(0.018, 0.5e-3, fm.Material(E=210e9, G=80e9, rho=7850.0))
 
