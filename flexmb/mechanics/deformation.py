@@ -1,5 +1,6 @@
 """Deformations e = D(x) of all elements, their first and second derivatives, and the transfer functions DF."""
 
+import functools
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -24,24 +25,15 @@ def deformation_functions(
     topology: Topology, parameters: Parameters, near: Float[Array, "n_e"]
 ) -> Iterator[tuple[Block, Callable[..., Any], tuple[Any, ...]]]:
     """Blocks that deform, ``f(x_el, *arguments_el) -> (n_el,)`` of one element, and its stacked arguments."""
-    for block, function, ref, properties in each_block(topology, parameters, "deformation"):
-        if block.e.shape[1] == 0:
-            continue
-        if block.element.tracks_angle:
-            at = near[block.e]
+    for block, function, *arguments in each_block(topology, parameters, "deformation"):
+        if block.e.shape[1] and block.element.tracks_angle:
+            yield block, functools.partial(_tracked, function), (*arguments, near[block.e])
+        elif block.e.shape[1]:
+            yield block, function, tuple(arguments)
 
-            def tracked(
-                x: Float[Array, "c"],
-                ref: Float[Array, "c"],
-                element_properties: Any,
-                at: Float[Array, "n"],
-                function: Callable[..., Any] = function,
-            ):
-                return function(x, ref, element_properties, near=at)
 
-            yield block, tracked, (ref, properties, at)
-        else:
-            yield block, function, (ref, properties)
+def _tracked(function: Callable[..., Any], x: Any, ref: Array, properties: Any, near: Float[Array, "n"]):
+    return function(x, ref, properties, near=near)
 
 
 @traced_once
@@ -52,9 +44,10 @@ def deformations(
 
     ``near``: deformations at the last accepted state, so that angles count turns.
     """
-    element_deformations = []
-    for block, function, arguments in deformation_functions(topology, parameters, near):
-        element_deformations.append((block.e, jax.vmap(function)(x[block.x], *arguments)))
+    element_deformations = [
+        (block.e, jax.vmap(function)(x[block.x], *arguments))
+        for block, function, arguments in deformation_functions(topology, parameters, near)
+    ]
     return scatter_vector(topology.n_e, element_deformations)
 
 
@@ -89,14 +82,9 @@ def _jacobians(
     near: Float[Array, "elements n"],
 ):
     function: Any = companion_of(block, properties, "deformation")[0]
-
-    def with_value(
-        x: Float[Array, "c"], ref: Float[Array, "c"], element_properties: dict[str, Any], near: Float[Array, "n"]
-    ):
-        e = function(x, ref, element_properties, **({"near": near} if block.element.tracks_angle else {}))
-        return e, e
-
-    return jax.vmap(jax.jacfwd(with_value, has_aux=True))(x, ref, properties, near)
+    if block.element.tracks_angle:
+        return jax.vmap(derivative(functools.partial(_tracked, function)))(x, ref, properties, near)
+    return jax.vmap(derivative(function))(x, ref, properties)
 
 
 def in_undeformed(block: Block, properties: dict[str, Any]) -> dict[str, Any]:
@@ -168,11 +156,10 @@ def curvature_pieces(
     sigma: Float[Array, "n_e"],
 ) -> list[tuple[Array, Array, Array]]:
     """Second derivatives of each block for :func:`deformation_curvature`, with row and column indices."""
-    element_matrices = []
-    for block, function, arguments in deformation_functions(topology, parameters, near):
-        hessian = jax.vmap(curvature(function))(x[block.x], sigma[block.e], *arguments)
-        element_matrices.append((block.x, block.x, hessian))
-    return element_matrices
+    return [
+        (block.x, block.x, jax.vmap(curvature(function))(x[block.x], sigma[block.e], *arguments))
+        for block, function, arguments in deformation_functions(topology, parameters, near)
+    ]
 
 
 @traced_once

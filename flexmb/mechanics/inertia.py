@@ -1,5 +1,6 @@
 """Mass matrix and weight from each element's vectors s(x) and constant matrix H: T = 1/2 s_dot^T H s_dot."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -31,19 +32,15 @@ class InertialLoad(NamedTuple):
 def mass_pieces(topology: Topology, parameters: Parameters, x: Float[Array, "n_x"]) -> list[tuple[Array, Array, Array]]:
     """Mass matrices of each block, with row and column indices."""
     element_matrices = []
-    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
-
-        def matrix(
-            x: Float[Array, "c"],
-            ref: Float[Array, "c"],
-            element_properties: Any,
-            function: Callable[..., Any] = function,
-        ):
-            (j, _), (_, h) = derivative(function)(x, ref, element_properties)
-            return jnp.einsum("akc,ab,bkd->cd", j, h, j)
-
-        element_matrices.append((block.x, block.x, jax.vmap(matrix)(x[block.x], ref, properties)))
+    for block, function, *arguments in each_block(topology, parameters, "inertia"):
+        matrix = functools.partial(_element_mass, function)
+        element_matrices.append((block.x, block.x, jax.vmap(matrix)(x[block.x], *arguments)))
     return element_matrices
+
+
+def _element_mass(function: Callable[..., Any], x: Float[Array, "c"], *arguments: Any) -> Float[Array, "c c"]:
+    (j, _), (_, h) = derivative(function)(x, *arguments)
+    return jnp.einsum("akc,ab,bkd->cd", j, h, j)
 
 
 @traced_once
@@ -57,20 +54,15 @@ def kinetic_energy(
 ) -> Float[Array, ""]:
     """Kinetic energy of nodal velocities [J]; THEORY.md 3, eq. (3.1)."""
     total = jnp.array(0.0)
-    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
-
-        def energy(
-            x: Float[Array, "c"],
-            v: Float[Array, "c"],
-            ref: Float[Array, "c"],
-            element_properties: Any,
-            function: Callable[..., Any] = function,
-        ):
-            _, rate, h = jax.jvp(lambda x: function(x, ref, element_properties), (x,), (v,), has_aux=True)
-            return 0.5 * jnp.einsum("ak,ab,bk->", rate, h, rate)
-
-        total = total + jnp.sum(jax.vmap(energy)(x[block.x], v[block.x], ref, properties))
+    for block, function, *arguments in each_block(topology, parameters, "inertia"):
+        energy = functools.partial(_element_energy, function)
+        total = total + jnp.sum(jax.vmap(energy)(x[block.x], v[block.x], *arguments))
     return total
+
+
+def _element_energy(function: Callable[..., Any], x: Float[Array, "c"], v: Float[Array, "c"], *arguments: Any):
+    _, rate, h = jax.jvp(lambda x: function(x, *arguments), (x,), (v,), has_aux=True)
+    return 0.5 * jnp.einsum("ak,ab,bk->", rate, h, rate)
 
 
 def uniform_motion(topology: Topology, acceleration: Float[Array, "axes"]) -> Float[Array, "n_x"]:
@@ -91,59 +83,50 @@ def fall(
     x: Float[Array, "n_x"],
     block: Block,
     function: Callable[..., Any],
-    ref: Float[Array, "elements c"],
-    properties: Any,
+    *arguments: Any,
 ) -> Any:
     """Free fall minus acceleration of the vectors s of each element, (elements, k, d) [m/s^2]; None without both.
 
-    Gravity acts as a uniform acceleration; s_ddot = J a + (dJ/dt) v.
+    Gravity acts as a uniform acceleration; s_ddot = J a + (dJ/dt) v. Arguments as :func:`each_block` yields them.
     """
     free_fall = None if felt.gravity is None else uniform_motion(topology, felt.gravity)
     along = [None if rate is None else rate[block.x] for rate in (free_fall, felt.v, felt.a)]
     if all(rate is None for rate in along):
         return None
 
-    def element_fall(
-        x: Float[Array, "c"], along: list[Float[Array, "c"] | None], ref: Float[Array, "c"], element_properties: Any
-    ):
+    def element_fall(x: Float[Array, "c"], along: list[Float[Array, "c"] | None], *arguments: Any):
         free_fall, v, a = along
 
         def rate(x: Float[Array, "c"], v: Float[Array, "c"]):
-            return jax.jvp(lambda x: function(x, ref, element_properties)[0], (x,), (v,))[1]
+            return jax.jvp(lambda x: function(x, *arguments)[0], (x,), (v,))[1]
 
         total: Any = 0.0 if free_fall is None else rate(x, free_fall)
         return total if v is None else total - jax.jvp(rate, (x, v), (v, a))[1]
 
-    return jax.vmap(element_fall)(x[block.x], along, ref, properties)
+    return jax.vmap(element_fall)(x[block.x], along, *arguments)
 
 
 def _weight_potential(topology: Topology, parameters: Parameters, gravity: Float[Array, "axes"]):
-    """Function whose gradient is an element's weight: s(x) . H ds, with ds of the uniform motion."""
+    """Blocks with mass, a function whose gradient is an element's weight, and the function's stacked arguments."""
     motion = uniform_motion(topology, gravity)
-    for block, function, ref, properties in each_block(topology, parameters, "inertia"):
+    for block, function, *arguments in each_block(topology, parameters, "inertia"):
+        yield block, functools.partial(_work, function), (motion[block.x], *arguments)
 
-        def work(
-            x: Float[Array, "c"],
-            at: Float[Array, "c"],
-            along: Float[Array, "c"],
-            ref: Float[Array, "c"],
-            element_properties: Any,
-            function: Callable[..., Any] = function,
-        ):
-            def vectors(x: Float[Array, "c"]):
-                return function(x, ref, element_properties)
 
-            _, rate, h = jax.jvp(vectors, (at,), (along,), has_aux=True)
-            return jnp.einsum("ak,ab,bk->", vectors(x)[0], h, rate)
+def _work(
+    function: Callable[..., Any], x: Float[Array, "c"], at: Float[Array, "c"], along: Float[Array, "c"], *arguments: Any
+) -> Float[Array, ""]:
+    """The product s(x) . H ds of an element, with ds of a uniform motion at a configuration."""
 
-        yield block, work, (motion[block.x], ref, properties)
+    def vectors(x: Float[Array, "c"]):
+        return function(x, *arguments)
+
+    _, rate, h = jax.jvp(vectors, (at,), (along,), has_aux=True)
+    return jnp.einsum("ak,ab,bk->", vectors(x)[0], h, rate)
 
 
 def work_of_weight(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_x"],
-    gravity: Float[Array, "axes"],
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
 ) -> Float[Array, ""]:
     """Work of gravity from the undeformed mechanism on [J]."""
     total = jnp.array(0.0)
@@ -155,10 +138,7 @@ def work_of_weight(
 
 @traced_once
 def weight(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_x"],
-    gravity: Float[Array, "axes"],
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
 ) -> Float[Array, "n_x"]:
     """Nodal forces of gravity on all mass, distributed mass included: f = M(x) t, t the translation at g.
 
@@ -184,10 +164,7 @@ def weight_pieces(
 
 @traced_once
 def weight_stiffness(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_x"],
-    gravity: Float[Array, "axes"],
+    topology: Topology, parameters: Parameters, x: Float[Array, "n_x"], gravity: Float[Array, "axes"]
 ) -> Float[Array, "n_x n_x"]:
     """Derivative of :func:`weight`, symmetric: Hessian of s(x) . H s_dot, whose s_dot does not depend on x."""
     return scatter_matrix((topology.n_x, topology.n_x), weight_pieces(topology, parameters, x, gravity))

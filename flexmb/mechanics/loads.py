@@ -1,6 +1,7 @@
 """Nodal forces of the constant loads at a configuration, and their derivative."""
 
 import dataclasses
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -120,20 +121,15 @@ def lacks_potential(topology: Topology) -> bool:
 
 
 def _load_elements(topology: Topology, parameters: Parameters, factors: LoadFactors):
-    for block, function, ref, properties in each_block(topology, parameters, "force"):
+    """Blocks with a load, the scaled load of one element, and its stacked arguments."""
+    for block, function, *arguments in each_block(topology, parameters, "force"):
         incremental = dict(block.options).get("incremental", False)
         factor = factors.increment if incremental else factors.initial
+        yield block, functools.partial(_scaled, factor, function), arguments
 
-        def scaled(
-            x: Float[Array, "c"],
-            ref: Float[Array, "c"],
-            element_properties: Any,
-            function: Callable[..., Any] = function,
-            factor: Float[Array, ""] | float = factor,
-        ):
-            return factor * function(x, ref, element_properties)
 
-        yield block, scaled, (ref, properties)
+def _scaled(factor: Float[Array, ""] | float, function: Callable[..., Any], *arguments: Any) -> Array:
+    return factor * function(*arguments)
 
 
 def nodal_forces(
@@ -144,9 +140,10 @@ def nodal_forces(
     force = jnp.zeros(topology.n_x) if loads.force is None else loads.force
     if loads.gravity is not None:
         force = force + weight(topology, parameters, x, loads.gravity)
-    element_forces = []
-    for block, function, arguments in _load_elements(topology, parameters, factors):
-        element_forces.append((block.x, jax.vmap(function)(x[block.x], *arguments)))
+    element_forces = [
+        (block.x, jax.vmap(function)(x[block.x], *arguments))
+        for block, function, arguments in _load_elements(topology, parameters, factors)
+    ]
     return force + scatter_vector(topology.n_x, element_forces) if element_forces else force
 
 
@@ -154,10 +151,10 @@ def load_pieces(
     topology: Topology, parameters: Parameters, factors: LoadFactors, x: Float[Array, "n_x"]
 ) -> list[tuple[Array, Array, Array]]:
     """Derivatives of the forces of each block's load elements, with row and column indices."""
-    element_matrices = []
-    for block, function, arguments in _load_elements(topology, parameters, factors):
-        element_matrices.append((block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments)))
-    return element_matrices
+    return [
+        (block.x, block.x, jax.vmap(jax.jacfwd(function))(x[block.x], *arguments))
+        for block, function, arguments in _load_elements(topology, parameters, factors)
+    ]
 
 
 def load_stiffness(

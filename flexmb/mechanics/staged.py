@@ -122,16 +122,16 @@ def _along(function: Callable[..., Any], at: tuple[Array, Array], slopes: Float[
     return jax.vmap(lambda *change: jax.jvp(function, at, change), (1, 1), (None, -1))(changes, along)
 
 
-def derivative(function: Callable[..., Any]) -> Callable[..., tuple[Any, Any]]:
-    """Return a function for the derivatives by the coordinates, on the last axis of each array, and the value."""
+def derivative(function: Callable[..., Any], arguments: int | tuple[int, ...] = 0) -> Callable[..., tuple[Any, Any]]:
+    """Return a function for the derivatives by some arguments, on the last axis of each array, and the value."""
     if isinstance(function, Staged):
         return function.derivative
 
-    def with_value(x: Float[Array, "c"], *arguments: Any):
-        value = function(x, *arguments)
+    def with_value(*values: Any):
+        value = function(*values)
         return value, value
 
-    return jax.jacfwd(with_value, has_aux=True)
+    return jax.jacfwd(with_value, arguments, has_aux=True)
 
 
 def curvature(function: Callable[..., Float[Array, "n"]]) -> Callable[..., Float[Array, "c c"]]:

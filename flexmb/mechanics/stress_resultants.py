@@ -1,5 +1,6 @@
 """Stress resultants: stiffness, damping and laws of the elements, assembled; forces and moments in their sections."""
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -13,16 +14,17 @@ from ..math.indices import scatter_matrix, scatter_vector
 from ..model.topology import Block, Loads, Parameters, Topology
 from .blocks import each_block, heat_sizes
 from .inertia import InertialLoad, fall
+from .staged import derivative
 
 
 def stiffness_pieces(
     topology: Topology, parameters: Parameters, companion: str = "stiffness"
 ) -> list[tuple[Array, Array, Array]]:
     """Stiffness of each block's elements, with row and column indices."""
-    element_matrices = []
-    for block, function, ref, properties in each_block(topology, parameters, companion):
-        element_matrices.append((block.e, block.e, jax.vmap(function)(parameters.reference[block.x], ref, properties)))
-    return element_matrices
+    return [
+        (block.e, block.e, jax.vmap(function)(parameters.reference[block.x], *arguments))
+        for block, function, *arguments in each_block(topology, parameters, companion)
+    ]
 
 
 @jit
@@ -40,20 +42,16 @@ def stress_of_strain(topology: Topology, parameters: Parameters, strain: Float[A
     return scatter_vector(topology.n_e, element_stresses)
 
 
-def _assemble(topology: Topology, parameters: Parameters, companion: str) -> Float[Array, "n_e n_e"]:
-    return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters, companion))
-
-
 @traced_once
 def element_stiffness(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Block-diagonal stiffness S between deformations and stress resultants."""
-    return _assemble(topology, parameters, "stiffness")
+    return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters))
 
 
 @traced_once
 def element_damping(topology: Topology, parameters: Parameters) -> Float[Array, "n_e n_e"]:
     """Block-diagonal damping S_d between deformation rates and stress resultants."""
-    return _assemble(topology, parameters, "damping")
+    return scatter_matrix((topology.n_e, topology.n_e), stiffness_pieces(topology, parameters, "damping"))
 
 
 def is_nonlinear(topology: Topology) -> bool:
@@ -78,31 +76,27 @@ def depends_on_rates(topology: Topology) -> bool:
     return any(not {"dissipation", "law"}.isdisjoint(block.companions) for block in topology.blocks)
 
 
+def _stress_of_energy(energy: Callable[..., Any], e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any):
+    return jax.grad(lambda e: energy((e,), *arguments))(e)
+
+
+def _stress_of_dissipation(dissipation: Callable[..., Any], e: Array, ed: Float[Array, "n"], *arguments: Any):
+    return jax.grad(lambda ed: dissipation((e, ed), *arguments))(ed)
+
+
+def _stress_of_law(law: Callable[..., Any], e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any):
+    return law((e, ed), *arguments)
+
+
 def _nonlinear_stress(topology: Topology, parameters: Parameters):
     """Blocks with a nonlinear companion, its stress ``f(e_el, ed_el, *arguments_el)``, and the stacked arguments.
 
     In between: numbers of the arguments that the stress depends on: (0,) for an energy, else (0, 1).
     """
-    for block, energy, *arguments in each_block(topology, parameters, "energy"):
-
-        def elastic(e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, energy: Callable[..., Any] = energy):
-            return jax.grad(lambda e: energy((e,), *arguments))(e)
-
-        yield block, elastic, (0,), arguments
-    for block, dissipation, *arguments in each_block(topology, parameters, "dissipation"):
-
-        def damping(
-            e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, dissipation: Callable[..., Any] = dissipation
-        ):
-            return jax.grad(lambda ed: dissipation((e, ed), *arguments))(ed)
-
-        yield block, damping, (0, 1), arguments
-    for block, law, *arguments in each_block(topology, parameters, "law"):
-
-        def general(e: Float[Array, "n"], ed: Float[Array, "n"], *arguments: Any, law: Callable[..., Any] = law):
-            return law((e, ed), *arguments)
-
-        yield block, general, (0, 1), arguments
+    stresses = {"energy": _stress_of_energy, "dissipation": _stress_of_dissipation, "law": _stress_of_law}
+    for companion, stress in stresses.items():
+        for block, function, *arguments in each_block(topology, parameters, companion):
+            yield block, functools.partial(stress, function), (0,) if companion == "energy" else (0, 1), arguments
 
 
 @traced_once
@@ -110,9 +104,10 @@ def nonlinear_stress(
     topology: Topology, parameters: Parameters, e: Float[Array, "n_e"], ed: Float[Array, "n_e"]
 ) -> Float[Array, "n_e"]:
     """Stress resultants of energies, dissipations and laws: dE/de + dR/ded + law."""
-    element_stresses = []
-    for block, function, _, arguments in _nonlinear_stress(topology, parameters):
-        element_stresses.append((block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments)))
+    element_stresses = [
+        (block.e, jax.vmap(function)(e[block.e], ed[block.e], *arguments))
+        for block, function, _, arguments in _nonlinear_stress(topology, parameters)
+    ]
     return scatter_vector(topology.n_e, element_stresses)
 
 
@@ -122,13 +117,7 @@ def nonlinear_tangent_pieces(
     """:func:`nonlinear_stress` of each block with its indices, and its derivatives by e and by ed."""
     stress, tangents = [], ([], [])
     for block, function, counts, arguments in _nonlinear_stress(topology, parameters):
-
-        def twice(*arguments: Any, function: Callable[..., Any] = function):
-            sigma = function(*arguments)
-            return sigma, sigma
-
-        derivative = jax.vmap(jax.jacfwd(twice, argnums=counts, has_aux=True))
-        matrices_by, sigma = derivative(e[block.e], ed[block.e], *arguments)
+        matrices_by, sigma = jax.vmap(derivative(function, counts))(e[block.e], ed[block.e], *arguments)
         stress.append((block.e, sigma))
         for element_matrices, matrices in zip(tangents, matrices_by, strict=False):
             element_matrices.append((block.e, block.e, matrices))
@@ -153,9 +142,7 @@ def nonlinear_energy(topology: Topology, parameters: Parameters, e: Float[Array,
     """Elastic energy of elements with a nonlinear energy [J]."""
     total = jnp.array(0.0)
     for block, energy, *arguments in each_block(topology, parameters, "energy"):
-        total = total + jnp.sum(
-            jax.vmap(lambda e, *numbers, energy=energy: energy((e,), *numbers))(e[block.e], *arguments)
-        )
+        total = total + jnp.sum(jax.vmap(energy)((e[block.e],), *arguments))
     return total
 
 
@@ -279,17 +266,12 @@ def block_resultants(
         if block.element.feels_fall:
             acts = id(block) in inertias
             extra["fall"] = fall(topology, felt, x, block, *inertias[id(block)]) if acts else None
-
-        def at_one_place(
-            x: Float[Array, "c"],
-            ref: Float[Array, "c"],
-            element_properties: Any,
-            extra: dict[str, Any],
-            place: Float[Array, ""],
-            function: Callable[..., Any] = function,
-        ):
-            return function(x, ref, element_properties, place=place, **extra)
-
-        everywhere = jax.vmap(jax.vmap(at_one_place, (None, None, None, None, 0)), (0, 0, 0, 0, None))
-        resultants.append(everywhere(x[block.x], ref, properties, extra, places))
+        at_places = jax.vmap(functools.partial(_at_place, function), (None, None, None, None, 0))
+        resultants.append(jax.vmap(at_places, (0, 0, 0, 0, None))(x[block.x], ref, properties, extra, places))
     return resultants
+
+
+def _at_place(
+    function: Callable[..., Any], x: Any, ref: Array, properties: Any, extra: dict[str, Any], place: Float[Array, ""]
+) -> Float[Array, "6"]:
+    return function(x, ref, properties, place=place, **extra)
