@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import functools
+import itertools
 import operator
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import jax
@@ -97,8 +98,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
                 traced = None if clamped.traced is None or untwisted else clamped.traced[1]
                 own = restrained[-1] if traced is None else traced
                 nodes.setdefault(warping, []).append((own, was, traced is not None))
-        properties = {**member.properties, "clamped": np.array(flat, float)}
-        twin.members[name] = dataclasses.replace(member, properties=properties)
+        twin.members[name] = member.with_properties(clamped=np.array(flat, float))
         for warping, is_restrained in zip(nodes_of_kind(member, "warping"), restrained, strict=False):
             _hold(twin, warping, name, joined[warping], is_restrained, stated is not None and not untwisted)
     for warping, ends in nodes.items():
@@ -112,9 +112,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         if not member.element.fields:
             # No clamp keeps a warping beam flat. Its ``clamped`` marks ends whose warping is held, for any reason.
             constrained = [twin.nodes[warping].roles[0] in HELD for warping in nodes_of_kind(member, "warping")]
-            twin.members[name] = dataclasses.replace(
-                member, properties={**member.properties, "clamped": np.array(constrained, float)}
-            )
+            twin.members[name] = member.with_properties(clamped=np.array(constrained, float))
     return twin
 
 
@@ -138,6 +136,25 @@ def ends_of_leaf(name: str, member: Member) -> list[End]:
     return [End(name, rotation, number) for number, rotation in enumerate(nodes_of_kind(member, "rotation"))]
 
 
+def ends_at(builder: Description, names: Iterable[str]) -> dict[str, list[End]]:
+    """Return the ends of some elements at each rotation, in order."""
+    by_rotation: dict[str, list[End]] = {}
+    for name in names:
+        for end in ends_of_leaf(name, builder.members[name]):
+            by_rotation.setdefault(end.rotation, []).append(end)
+    return by_rotation
+
+
+def opposite(builder: Description, end: End) -> End:
+    """Return the other end of the element."""
+    return ends_of_leaf(end.leaf, builder.members[end.leaf])[1 - end.number]
+
+
+def axes_at(builder: Description, *ends: End, library: Any = np) -> list[Any]:
+    """Return unit vectors along and across leaf springs at ends, as :func:`leaf_axes` finds them."""
+    return [leaf_axes(builder, builder.members[end.leaf], library, end.number) for end in ends]
+
+
 def _reach_in_line(
     builder: Description, twin: Description, joined: dict[str, list[str]], flat_ends: dict[tuple[str, int], bool]
 ) -> None:
@@ -147,40 +164,35 @@ def _reach_in_line(
         twin: Copy of the builder, with ``clamped`` of its leaf springs.
         flat_ends: Whether a clamp keeps an end flat, by element and number of the end.
     """
-    leaves = {
-        name: member for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields
-    }
-    ends = {(end.leaf, end.number): end for name, member in leaves.items() for end in ends_of_leaf(name, member)}
+    leaves = [name for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields]
+    meeting = ends_at(builder, leaves)
     distances: dict[tuple[str, int], Any] = {}
-    for (name, number), end in ends.items():
-        beyond, at, passed = 0.0, end, {name}
+    for end in itertools.chain(*meeting.values()):
+        beyond, at, passed = 0.0, end, {end.leaf}
         while not flat_ends[at.leaf, at.number]:
-            following = [leaf for leaf in joined[at.rotation] if leaf in leaves and leaf != at.leaf]
-            if len(following) != 1 or following[0] in passed:
+            following = [other for other in meeting[at.rotation] if other.leaf != at.leaf]
+            if len(following) != 1 or following[0].leaf in passed or is_fold(builder, at, following[0]):
                 break
-            end_number = nodes_of_kind(leaves[following[0]], "rotation").index(at.rotation)
-            if is_fold(builder, at, ends[following[0], end_number]):
-                break
-            passed.add(following[0])
-            beyond = beyond + span_of(builder, leaves[following[0]])
-            at = ends[following[0], 1 - end_number]
-        sides = _sides(builder, leaves[name], number) or []
+            passed.add(following[0].leaf)
+            beyond = beyond + span_of(builder, builder.members[following[0].leaf])
+            at = opposite(builder, following[0])
+        sides = _sides(builder, builder.members[end.leaf], end.number) or []
         known = is_concrete((beyond, sides))
         too_far = known and bool(beyond >= REACH * max(np.asarray(side).max() for side in sides))
         if at is not end and not too_far and flat_ends[at.leaf, at.number]:
-            distances[name, number] = beyond
+            distances[end.leaf, end.number] = beyond
     for name in leaves if distances else ():
         spring = twin.members[name]
         flags = [1.0 if (name, i) in distances else flag for i, flag in enumerate(spring.properties["clamped"])]
         beyond = [distances.get((name, i), 0.0) for i in range(2)]
         library: Any = np if is_concrete(beyond) else jnp
         clamped = library.stack([library.asarray(flags, float), library.stack(list(map(library.asarray, beyond)))])
-        twin.members[name] = dataclasses.replace(spring, properties={**spring.properties, "clamped": clamped})
+        twin.members[name] = spring.with_properties(clamped=clamped)
 
 
 def is_fold(builder: Description, *ends: End) -> bool:
     """Return whether two leaf springs meet at an angle, along or across; False for traced numbers."""
-    axes = [leaf_axes(builder, builder.members[end.leaf], np, end.number) for end in ends]
+    axes = axes_at(builder, *ends)
     return is_concrete(axes) and any(abs(first @ second) < np.cos(FOLD) for first, second in zip(*axes, strict=True))
 
 
@@ -294,9 +306,9 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     element, section = other.element, other.properties.get("section")
     if other.hidden:
         return element.inertia is not None, element.inertia is not None
-    roles = _own_roles(other)
-    flexible = section is not None and any(role not in HELD for role in roles)
-    if not flexible:
+    # The roles that a user may choose, without measured deformations.
+    roles = [role for number, role in enumerate(other.roles, 1) if number not in element.measured]
+    if section is None or all(role in HELD for role in roles):
         constrained = any(role in HELD for role in roles)
         return constrained, constrained
     number = nodes_of_kind(other, "rotation").index(end.rotation)
@@ -321,11 +333,6 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
         )
         return True, True
     return thick or bool(abs(along @ along_other) < np.cos(FOLD)), False
-
-
-def _own_roles(member: Member) -> list[Role]:
-    """Roles of the deformations that a user may hold, without measured deformations."""
-    return [role for number, role in enumerate(member.roles, 1) if number not in member.element.measured]
 
 
 def _is_untwisted(member: Member) -> bool:
@@ -364,17 +371,19 @@ def _equally_thick(first: Section, other: Section) -> bool:
 
 def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
     """Sides of a section at an end of an element; None for a section without sides."""
-    beam_section: Section = member.properties["section"]
+    beam_section, length = member.properties["section"], span_of(builder, member)
     with known_numbers(beam_section):
-        section = beam_section.at(float(end), _length(builder, member))
+        section: Section = beam_section.at(float(end), float(length) if is_concrete(length) else 1.0)
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
     return sides or None
 
 
-def _length(builder: Description, member: Member) -> Any:
-    length = span_of(builder, member)
-    return float(length) if is_concrete(length) else 1.0
+def section_at(builder: Description, member: Member, place: float) -> Any:
+    """Return the section at a place of an element, from 0 to 1."""
+    section, length = member.properties["section"], span_of(builder, member)
+    with known_numbers((section, length)):
+        return section.at(float(place), float(length) if is_concrete(length) else length)
 
 
 def known_numbers(numbers: Any) -> contextlib.AbstractContextManager[Any]:

@@ -15,7 +15,20 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import FOLD, THICK, End, elements_at, ends_of_leaf, is_fold, leaf_axes, nodes_of_kind, span_of
+from .clamps import (
+    FOLD,
+    THICK,
+    End,
+    axes_at,
+    elements_at,
+    ends_at,
+    ends_of_leaf,
+    is_fold,
+    nodes_of_kind,
+    opposite,
+    section_at,
+    span_of,
+)
 from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
@@ -41,7 +54,7 @@ def warn_of_curved_leaves(builder: Description) -> None:
     joined = elements_at(builder)
     with jax.ensure_compile_time_eval():
         for name, leaf in leaves.items():
-            _warn_of_sharp(name, leaf, _rectangle(builder, leaf))
+            _warn_of_sharp(name, leaf, section_at(builder, leaf, 0.5))
             _warn_of_slant(builder, name, leaf)
             _warn_of_stocky(builder, name, leaf, _length_in_line(builder, joined, leaves, name))
         if (pieces := _pieces_of_a_curve(builder, joined, leaves)) is not None:
@@ -64,34 +77,26 @@ def warn_of_curved_leaves(builder: Description) -> None:
 
 def _pairs_in_rigid_parts(builder: Description, leaves: dict[str, Member]) -> Iterator[tuple[End, End]]:
     """Pairs of ends of leaf springs at both ends of a rigid part in space, the narrower leaf spring first."""
-    ends: dict[str, list[End]] = {}
-    for name, leaf in leaves.items():
-        for end in ends_of_leaf(name, leaf):
-            ends.setdefault(end.rotation, []).append(end)
+    ends = ends_at(builder, leaves)
     for member in builder.members.values() if builder.dimension == 3 else ():
         rotations = nodes_of_kind(member, "rotation")
         if member.properties.get("section") is None and len(nodes_of_kind(member, "position")) == len(rotations) == 2:
             for pair in itertools.product(*(ends.get(rotation, ()) for rotation in rotations)):
-                narrow, wide = sorted(pair, key=lambda end: float(_rectangle(builder, leaves[end.leaf]).width))
+                narrow, wide = sorted(pair, key=lambda end: float(section_at(builder, leaves[end.leaf], 0.5).width))
                 yield narrow, wide
 
 
 def _is_beside_slot(builder: Description, narrow: End, wide: End) -> bool:
     """Whether a leaf spring starts at the end of a wider one, within its width and in its plane, and continues it."""
-    members = [builder.members[end.leaf] for end in (narrow, wide)]
-    width, wide_width = (float(_rectangle(builder, member).width) for member in members)
-    thickness, wide_thickness = (float(_rectangle(builder, member).thickness) for member in members)
-    (along, _), (wide_along, wide_across) = (
-        leaf_axes(builder, member, np, end.number) for member, end in zip(members, (narrow, wide), strict=True)
-    )
-    if not 1 / THICK < thickness / wide_thickness < THICK or is_fold(builder, narrow, wide):
+    section, wide_section = (section_at(builder, builder.members[end.leaf], 0.5) for end in (narrow, wide))
+    width, thickness, wide_width = float(section.width), float(section.thickness), float(wide_section.width)
+    (along, _), (wide_along, wide_across) = axes_at(builder, narrow, wide)
+    if not 1 / THICK < thickness / float(wide_section.thickness) < THICK or is_fold(builder, narrow, wide):
         return False
     # Directions away from both ends.
     if along @ wide_along * (1 - 2 * narrow.number) * (1 - 2 * wide.number) > 0:
         return False
-    places = [
-        nodes_of_kind(member, "position")[end.number] for member, end in zip(members, (narrow, wide), strict=True)
-    ]
+    places = [nodes_of_kind(builder.members[end.leaf], "position")[end.number] for end in (narrow, wide)]
     apart = np.subtract(*(np.asarray(builder.nodes[place].start, float) for place in places))
     beside = float(abs(apart @ wide_across))
     is_within = SAME_SIZE * width < beside and beside + width / 2 <= (1 + SAME_SIZE) * wide_width / 2
@@ -102,22 +107,15 @@ def _is_leaf(builder: Description, member: Member) -> bool:
     if not member.element.fields or "clamped" not in member.properties:
         return False
     starts = [builder.nodes[node].start for node in member.nodes]
-    return is_concrete((starts, member.properties)) and isinstance(_rectangle(builder, member), Rectangle)
-
-
-def _rectangle(builder: Description, leaf: Member, place: float = 0.5) -> Any:
-    return leaf.properties["section"].at(place, float(span_of(builder, leaf)))
+    return is_concrete((starts, member.properties)) and isinstance(section_at(builder, member, 0.5), Rectangle)
 
 
 def _warn_of_sharp(name: str, leaf: Member, section: Any) -> None:
     if (curvature := leaf.properties.get("curvature")) is None:
         return
     largest = np.max(np.abs(np.atleast_2d(np.asarray(curvature_at(curvature, np.linspace(0, 1, 21))).T)), axis=1)
-    sizes = (
-        (0.0, float(section.thickness), float(section.width))[-len(largest) :]
-        if len(largest) > 1
-        else (float(section.thickness),)
-    )
+    thickness = float(section.thickness)
+    sizes = (0.0, thickness, float(section.width))[-len(largest) :] if len(largest) > 1 else (thickness,)
     worst = max(bend * size for bend, size in zip(largest, sizes, strict=True))
     if worst > SHARP:
         warn(
@@ -150,19 +148,18 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
             if others[0] not in leaves:
                 length += np.inf if other.element.fields and "clamped" in other.properties else 0.0
                 break
-            first, last = ends_of_leaf(others[0], other)
-            near, far = (first, last) if first.rotation == at.rotation else (last, first)
-            before = _rectangle(builder, builder.members[at.leaf])
-            thick = float(_rectangle(builder, other).thickness) >= THICK * float(before.thickness)
+            near = next(end for end in ends_of_leaf(others[0], other) if end.rotation == at.rotation)
+            before = section_at(builder, builder.members[at.leaf], 0.5)
+            thick = float(section_at(builder, other, 0.5).thickness) >= THICK * float(before.thickness)
             if others[0] in passed or thick or is_fold(builder, at, near):
                 break
-            length, at = length + float(span_of(builder, other)), far
+            length, at = length + float(span_of(builder, other)), opposite(builder, near)
             passed.add(others[0])
     return length
 
 
 def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float) -> None:
-    rectangles = [_rectangle(builder, leaf, place) for place in (0.0, 0.5, 1.0)]
+    rectangles = [section_at(builder, leaf, place) for place in (0.0, 0.5, 1.0)]
     # A piece of a longer leaf spring may be short.
     if (long := length / float(rectangles[1].width)) < SHORTEST:
         warn(
@@ -190,8 +187,8 @@ def _pieces_of_a_curve(
             for other in joined[at.rotation]:
                 if other == name or other not in leaves:
                     continue
-                number = nodes_of_kind(leaves[other], "rotation").index(at.rotation)
-                if (turn := _turn(builder, at, End(other, at.rotation, number))) is None:
+                following = next(end for end in ends_of_leaf(other, leaves[other]) if end.rotation == at.rotation)
+                if (turn := _turn(builder, at, following)) is None:
                     continue
                 # Two folds in the same sense make a curve, one fold does not.
                 folds = [before for end, before in turns if end != at.number and FOLD <= min(_angles(before, turn))]
@@ -209,9 +206,7 @@ def _angles(*turns: Any) -> list[float]:
 
 def _turn(builder: Description, at: End, other: End) -> Any:
     """Axis times the sine of the angle from a leaf spring to the next; None unless they bend about the same axis."""
-    (along, across), (along_other, across_other) = (
-        leaf_axes(builder, builder.members[end.leaf], np, end.number) for end in (at, other)
-    )
+    (along, across), (along_other, across_other) = axes_at(builder, at, other)
     away = along_other * (1 - 2 * other.number)
     if abs(across @ across_other) < np.cos(FOLD) or along @ away * (2 * at.number - 1) <= 0:
         return None
@@ -220,7 +215,8 @@ def _turn(builder: Description, at: End, other: End) -> Any:
 
 
 def _stand_for_a_curve(builder: Description, first: Member, other: Member, angle: float) -> bool:
-    section, length = _rectangle(builder, first), (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
+    section = section_at(builder, first, 0.5)
+    length = (float(span_of(builder, first)) + float(span_of(builder, other))) / 2
     if angle == 0 or angle >= STEEPEST or (angle >= FOLD and length > section.width):
         return False
     nu = float(section.material.poisson())

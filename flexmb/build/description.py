@@ -58,6 +58,10 @@ class Member:
     roles: list[Role]
     hidden: bool = False
 
+    def with_properties(self, **changed: Any) -> Member:
+        """The element with other values of some properties."""
+        return dataclasses.replace(self, properties={**self.properties, **changed})
+
 
 class Description:
     """Contents of a :class:`flexmb.Builder`, with the look-up of names.

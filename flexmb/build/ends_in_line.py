@@ -1,6 +1,5 @@
 """Steps in width and thickness between leaf springs in line, and warnings about skew cuts, steps and roots."""
 
-import dataclasses
 from typing import Any
 
 import jax
@@ -22,12 +21,14 @@ from .clamps import (
     REACH,
     THICK,
     End,
+    axes_at,
+    ends_at,
     ends_of_leaf,
     is_clamped,
     is_fold,
-    known_numbers,
-    leaf_axes,
     nodes_of_kind,
+    opposite,
+    section_at,
     span_of,
 )
 from .description import Description, Member
@@ -54,12 +55,8 @@ def with_steps(described: Description, builder: Description) -> Description:
         THEORY.md 2, eq. (2.49) to (2.51).
     """
     leaves = {name: member for name, member in builder.members.items() if _may_step(member)}
-    at_nodes: dict[str, list[End]] = {}
-    for name, member in leaves.items():
-        for end in ends_of_leaf(name, member):
-            at_nodes.setdefault(end.rotation, []).append(end)
     steps: dict[str, dict[int, tuple[Any, Any]]] = {}
-    for ends in at_nodes.values():
+    for ends in ends_at(builder, leaves).values():
         for end, other in (ends, ends[::-1]) if len(ends) == 2 else ():
             sizes = _size_beyond(builder, end, other)
             if sizes is not None and not is_fold(builder, *ends) and _goes_on(described, builder, end, other):
@@ -69,35 +66,30 @@ def with_steps(described: Description, builder: Description) -> Description:
         own = [_sizes(builder, leaves[name], number) for number in range(2)]
         rows = [sizes.get(number) or own[number] for number in range(2)]
         library: Any = np if is_concrete((rows, own, member.properties["clamped"])) else jnp
-        beside = library.stack([library.stack([library.asarray(row[i], float) for row in rows]) for i in range(2)])
+        beside = library.asarray(rows, float).T
         clamped = member.properties["clamped"]
         flags = clamped if clamped.ndim == 2 else np.stack([clamped, np.zeros(2)])
         # The curvature across a thicker part is smaller by the cube of the thicknesses: the end is partly flat.
-        widths, thicknesses = (library.stack([library.asarray(size[i], float) for size in own]) for i in range(2))
+        widths, thicknesses = library.asarray(own, float).T
         partly = 1 - library.minimum(thicknesses / beside[1], 1.0) ** 3
         # Unless the user states what clamps the ends, or a clamp beyond has a larger effect.
         if leaves[name].properties["clamped"] is None:
             prevails = partly * REACH * widths >= flags[0] * REACH * widths - flags[1]
             flags = library.where(prevails, library.stack([partly, 0 * partly]), flags)
-        properties = {**member.properties, "clamped": library.concatenate([flags, beside])}
-        described.members[name] = dataclasses.replace(member, properties=properties)
+        described.members[name] = member.with_properties(clamped=library.concatenate([flags, beside]))
     return described
 
 
 def _may_step(member: Member) -> bool:
-    return bool(member.element.fields) and "clamped" in member.properties and _is_rectangle(member)
-
-
-def _is_rectangle(member: Member) -> bool:
-    return isinstance(member.properties["section"].at(0.5, 1.0), Rectangle)
+    properties = member.properties
+    is_leaf = bool(member.element.fields) and "clamped" in properties
+    return is_leaf and isinstance(properties["section"].at(0.5, 1.0), Rectangle)
 
 
 def _sizes(builder: Description, member: Member, number: int) -> tuple[Any, Any]:
     """Width and thickness at an end [m]."""
-    beam_section, length = member.properties["section"], span_of(builder, member)
-    with known_numbers((beam_section, length)):
-        section = beam_section.at(float(number), float(length) if is_concrete(length) else length)
-        return section.width, section.thickness
+    section = section_at(builder, member, number)
+    return section.width, section.thickness
 
 
 def _size_beyond(builder: Description, end: End, other: End) -> tuple[Any, Any] | None:
@@ -125,12 +117,11 @@ def _goes_on(described: Description, builder: Description, end: End, other: End)
 
 def _unless_fold(builder: Description, sizes: tuple[Any, Any], *ends: End) -> tuple[Any, Any]:
     """Return the sizes beyond an end, or its own sizes if traced directions meet at an angle."""
-    members = [builder.members[end.leaf] for end in ends]
-    if is_concrete([leaf_axes(builder, member, np, end.number) for member, end in zip(members, ends, strict=True)]):
+    if is_concrete(axes_at(builder, *ends)):
         return sizes
-    axes = [leaf_axes(builder, member, jnp, end.number) for member, end in zip(members, ends, strict=True)]
+    axes = axes_at(builder, *ends, library=jnp)
     in_line = jnp.all(jnp.stack([jnp.abs(first @ second) >= np.cos(FOLD) for first, second in zip(*axes, strict=True)]))
-    end_sizes = _sizes(builder, members[0], ends[0].number)
+    end_sizes = _sizes(builder, builder.members[ends[0].leaf], ends[0].number)
     beyond, before = (jnp.where(in_line, size, at_end) for size, at_end in zip(sizes, end_sizes, strict=True))
     return beyond, before
 
@@ -175,8 +166,11 @@ def warn_of_ends(described: Description) -> None:
                 f" {'; '.join(faults)}.",
                 BeamTheoryWarning,
             )
-        if skew is not None:
-            _check_stiff(name, member, float(length))
+        if skew is not None and float(_least(member, float(length))) < 0:
+            raise ModelError(
+                f"Element '{name}' is too short for its skew cuts: its stiffness cannot be computed. Make it longer, or"
+                " use solid elements."
+            )
 
 
 def _about_skew(angles: np.ndarray, widths: np.ndarray, length: float, rigid: np.ndarray) -> list[str]:
@@ -218,19 +212,14 @@ def _length_of_part(described: Description, name: str, number: int) -> float:
         length += float(span_of(described, member))
         if at.leaf != name and len(member.properties["clamped"]) > 2:
             return length
-        others = [
-            end
-            for leaf, other in described.members.items()
-            if leaf not in passed and _may_step(other)
-            for end in ends_of_leaf(leaf, other)
-            if end.rotation == at.rotation
-        ]
+        leaves = [leaf for leaf, other in described.members.items() if leaf not in passed and _may_step(other)]
+        others = ends_at(described, leaves).get(at.rotation, [])
         if len(others) != 1 or not is_concrete(described.members[others[0].leaf].properties):
             return length
         if is_fold(described, at, others[0]) or _size_beyond(described, at, others[0]) is not None:
             return length
         passed.add(others[0].leaf)
-        at = ends_of_leaf(others[0].leaf, described.members[others[0].leaf])[1 - others[0].number]
+        at = opposite(described, others[0])
 
 
 def nan_if_not_stiff(described: Description) -> Description:
@@ -246,7 +235,7 @@ def nan_if_not_stiff(described: Description) -> Description:
             holds(_least(member, length) >= 0)
             skew = marked(jnp.asarray(member.properties["skew"], float))
         twin = twin.copy() if twin is described else twin
-        twin.members[name] = dataclasses.replace(member, properties={**member.properties, "skew": skew})
+        twin.members[name] = member.with_properties(skew=skew)
     return twin
 
 
@@ -264,12 +253,3 @@ def _least_of(own: dict[str, Any], length: Array, order: int) -> Array:
     strained = matrix[: len(FIELDS) * order, : len(FIELDS) * order]
     scale = jnp.sqrt(jnp.abs(jnp.diag(strained)))
     return jnp.linalg.eigvalsh(strained / jnp.outer(scale, scale))[0]
-
-
-def _check_stiff(name: str, member: Member, length: float) -> None:
-    """Raise an error if skew cuts leave no positive definite stiffness."""
-    if float(_least(member, length)) < 0:
-        raise ModelError(
-            f"Element '{name}' is too short for its skew cuts: its stiffness cannot be computed. Make it longer, or use"
-            " solid elements."
-        )

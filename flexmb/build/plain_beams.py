@@ -17,7 +17,7 @@ from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
 from ..model.topology import HELD
-from .clamps import THICK, End, elements_at, is_clamped, leaf_axes, nodes_of_kind
+from .clamps import THICK, End, elements_at, ends_at, ends_of_leaf, is_clamped, leaf_axes, nodes_of_kind, opposite
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
@@ -165,29 +165,24 @@ def _is_restrained(builder: Description, end: End, joined: dict[str, list[str]])
 def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
     """Plain beams with a section. Beams in line with the same section form one chain."""
     names = [name for name, member in builder.members.items() if _is_plain(builder, member)]
-    at: dict[str, list[End]] = {}
-    for name in names:
-        for number, rotation in enumerate(nodes_of_kind(builder.members[name], "rotation")):
-            at.setdefault(rotation, []).append(End(name, rotation, number))
     along = {name: leaf_axes(builder, builder.members[name])[0] for name in names}
-    beyond: dict[tuple[str, int], End] = {}
-    for ends in at.values():
+    beyond: dict[End, End] = {}
+    for ends in ends_at(builder, names).values():
         if len(ends) == 2 and _continues(builder, along, joined, *ends):
-            beyond[ends[0][0], ends[0].number], beyond[ends[1][0], ends[1].number] = ends[1], ends[0]
+            beyond[ends[0]], beyond[ends[1]] = ends[1], ends[0]
     chains, seen = [], set()
     for name in names:
         if name in seen:
             continue
-        chain, ends = [name], []
+        chain, outer = [name], []
         seen.add(name)
-        for number in (1, 0):
-            current, out = name, number
-            while (current, out) in beyond and beyond[current, out].leaf not in seen:
-                current, out = beyond[current, out].leaf, 1 - beyond[current, out].number
-                chain.append(current)
-                seen.add(current)
-            ends.append(End(current, nodes_of_kind(builder.members[current], "rotation")[out], out))
-        chains.append(_Chain(chain, sum(_span(builder, beam) for beam in chain), (ends[1], ends[0])))
+        for end in reversed(ends_of_leaf(name, builder.members[name])):
+            while end in beyond and beyond[end].leaf not in seen:
+                end = opposite(builder, beyond[end])
+                chain.append(end.leaf)
+                seen.add(end.leaf)
+            outer.append(end)
+        chains.append(_Chain(chain, sum(_span(builder, beam) for beam in chain), (outer[1], outer[0])))
     return chains
 
 
