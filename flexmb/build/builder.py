@@ -713,7 +713,7 @@ class Builder(Description):
         """A part of a combination, given as "node.component" after a quantity."""
         owner, _, component = str(text).rpartition(".")
         quantity = ""
-        if owner not in self.members and not self._is_node(owner):
+        if owner not in {*self.members, *self.nodes} and owner.removesuffix(".rotation") not in self.nodes:
             first = [q for q in (*FORCES, *MOTIONS, *MEASURED, *STRAINED) if owner.startswith(f"{q} ")]
             quantity = max(first, key=len, default="")
             owner = owner.removeprefix(f"{quantity} ") if quantity else owner
@@ -722,9 +722,6 @@ class Builder(Description):
                 f"{subject}: '{text}' is no part: write node and component, such as 'tip.y', or element and number."
             )
         return self._signal(side, owner, component, quantity, None, False)
-
-    def _is_node(self, name: str) -> bool:
-        return name in self.nodes or name.removesuffix(".rotation") in self.nodes
 
     def _signal(
         self, side: str, owner: str, component: str | int, quantity: str, kind: str | None, local: bool
@@ -955,44 +952,39 @@ class Builder(Description):
 
     def _resolve(self, element: Element, name: str, nodes: list[str]) -> tuple[str, ...]:
         """One node for each positional parameter of an element; rotations and inner coordinates may not exist yet."""
-        kinds = [(p, k) for p, k in element.nodes.items() if k.part != "internal"]
-        expected = ", ".join(f"{p} ({k.part})" for p, k in kinds)
+        kinds = {p: k for p, k in element.nodes.items() if k.part != "internal"}
         wrong = ModelError(
-            f"Element '{name}' ({element.name}) joins {len(kinds)} nodes: {expected}. Give one name for each, or one"
+            f"Element '{name}' ({element.name}) joins {len(kinds)} nodes:"
+            f" {', '.join(f'{p} ({k.part})' for p, k in kinds.items())}. Give one name for each, or one"
             f" for each end; got {len(nodes)}: {', '.join(nodes) or 'none'}."
         )
-        named_kinds = [k for k in kinds if k[1].part != "warping"] if len(nodes) != len(kinds) else kinds
-        waiting = list(nodes) if len(nodes) == len(named_kinds) else None
+        # One name for each node, perhaps without the warping, or one name for each end.
+        warpings = sum(kind.part == "warping" for kind in kinds.values())
+        each = len(nodes) in (len(kinds), len(kinds) - warpings)
         resolved: list[str] = []
-        source, used = iter(nodes), set()
-        current = None
-        for parameter, kind in kinds:
-            if waiting is not None and (parameter, kind) in named_kinds:
-                current = waiting.pop(0)
-            elif waiting is not None:
-                # The warping of the rotation before it.
-                current = resolved[-1]
-            elif current is None or self._part_kind(current, kind) is None or kind.part in used:
-                current, used = next(source, None), set()
-                if current is None:
-                    raise wrong
+        unread, used, current = iter(nodes), set(), None
+        for parameter, kind in kinds.items():
+            if each:
+                begins = kind.part != "warping" or len(nodes) == len(kinds)
+            else:
+                begins = current is None or kind.part in used or not self._can_mean(current, kind)
+            if begins:
+                current, used = next(unread, None), set()
+            if current is None:
+                raise wrong
             used.add(kind.part)
             if current not in self.nodes and not current.endswith((".rotation", ".warping")):
                 self._unknown_node(current, f"element '{name}', {parameter}")
-            part = self._part_kind(current, kind)
-            if part is None:
+            if not self._can_mean(current, kind):
                 raise wrong
-            if kind.part == "rotation":
-                part = self._rotation_name(current)
-            elif kind.part == "warping":
-                part = self._warping_name(current)
+            name_of = {"rotation": self._rotation_name, "warping": self._warping_name}.get(kind.part, str)
+            resolved.append(name_of(current))
             if self.dimension != kind.dimension:
                 raise ModelError(
                     f"Element '{name}' ({element.name}) is {'planar' if kind.dimension == 2 else 'spatial'}, but node"
-                    f" '{part}' is not."
+                    f" '{resolved[-1]}' is not."
                 )
-            resolved.append(part)
-        if waiting is None and next(source, None) is not None:
+        if next(unread, None) is not None:
             raise wrong
         for node in resolved:
             if resolved.count(node) > 1:

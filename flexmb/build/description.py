@@ -289,15 +289,14 @@ class Description:
             return node
         return f"{node.removesuffix('.rotation').removesuffix('.warping')}.warping"
 
-    def _part_kind(self, node: str, kind: NodeKind) -> str | None:
-        """Whether a name can refer to a node of this kind."""
-        if node not in self.nodes:
-            parts = {".rotation": ("rotation", "warping"), ".warping": ("warping",)}
-            allowed = next((parts[end] for end in parts if node.endswith(end)), ())
-            return node if kind.part in allowed else None
-        part = self.nodes[node].kind.part
-        stands_for = {"position": ("rotation", "warping"), "rotation": ("warping",)}.get(part, ())
-        return node if kind.part in (part, *stands_for) else None
+    def _can_mean(self, node: str, kind: NodeKind) -> bool:
+        """Whether a name can refer to a node of this kind: a position has a rotation, and a rotation has a warping."""
+        if node in self.nodes:
+            part = self.nodes[node].kind.part
+        else:
+            part = next((part for part in ("rotation", "warping") if node.endswith(f".{part}")), "")
+        meant = {"position": ("position", "rotation", "warping"), "rotation": ("rotation", "warping")}
+        return kind.part in meant.get(part, (part,))
 
     def _member(self, name: str) -> Member:
         name = str(name)

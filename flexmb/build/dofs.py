@@ -78,31 +78,29 @@ def check_inputs(model: Model, builder: Description | None = None) -> Model:
         owners = builder.nodes, builder.members
         x_roles, e_roles = ([role for entry in several.values() for role in entry.roles] for several in owners)
     for side, signals in (("Input", labels.inputs), ("Output", labels.outputs)):
-        for s, part in [(entry, part) for entry in signals for part in entry.terms]:
+        for s, part in [(whole, part) for whole in signals for part in whole.terms]:
+            called = f"{side} '{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
             kind = "deformation" if part.of_element else "coordinate" if part.axis is None else "rotation"
-            count = 1 if part.axis is None else 4
-            roles = (e_roles if part.of_element else x_roles)[part.index : part.index + count]
-            constrained = all(role in HELD for role in roles)
             owner = "" if part.of_element else labels.x[part.index].of
-            if part.quantity == "moment" and not (constrained or part.local):
+            end = part.index + (1 if part.axis is None else 4)
+            roles = (e_roles if part.of_element else x_roles)[part.index : end]
+            if part.quantity == "moment" and not part.local and any(role not in HELD for role in roles):
                 # Hinges that turn or hold the rotation about this axis.
-                own = [e_roles[i] for i in labels.holding(f"{owner}.{TURNS[part.axis or 0]}")]
-                roles = [role for role in own if role in HELD] or roles
-                constrained = roles[0] in HELD
-            moves = part.quantity in MOTIONS
-            called = f"'{s.name}'" + (f": its part '{part.name}'" if s.parts else "")
-            if side == "Input" and constrained and not moves:
+                turning = [e_roles[i] for i in labels.holding(f"{owner}.{TURNS[part.axis or 0]}")]
+                roles = [role for role in turning if role in HELD] or roles[:1]
+            free = next((role for role in roles if role not in HELD), None)
+            moves = side == "Input" and part.quantity in MOTIONS
+            if side == "Input" and free is None and not moves:
                 raise ModelError(
-                    f"Input {called} acts on a {kind} that is {roles[0].value}, so it has no effect. Let it act on a"
+                    f"{called} acts on a {kind} that is {roles[0].value}, so it has no effect. Let it act on a"
                     " coordinate that can move, make it a displacement, velocity or acceleration, or leave it out."
                 )
-            if not constrained and (part.quantity == "reaction" or (side == "Input" and moves)):
-                role = next(role for role in roles if role not in HELD).value
+            if free is not None and (part.quantity == "reaction" or moves):
                 turn = "" if part.axis is None else turn_of(owner)
                 has_hinge = any(turn == element for element, *_ in labels.elements)
                 hint = f" Its rotation is deformation 1 of the element '{turn}'." if has_hinge else ""
                 raise ModelError(
-                    f"{side} {called} is the {part.quantity} of a {kind} that is {role}, but it needs a FIXED or"
+                    f"{called} is the {part.quantity} of a {kind} that is {free.value}, but it needs a FIXED or"
                     f" PRESCRIBED one.{hint or ' Fix or prescribe it, or leave this out.'}"
                 )
     return model
