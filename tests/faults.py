@@ -4717,13 +4717,13 @@ FAULTS = [
         "statics/test_prescribed_rotation.py -k released_about_another",
     ),
     Fault(
-        "build/tilts.py",
+        "build/assemble.py",
         "found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.FIXED]",
         "found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.DEPENDENT]",
         "statics/test_prescribed_rotation.py -k turns_as_far",
     ),
     Fault(
-        "build/tilts.py",
+        "build/assemble.py",
         "and moved.isdisjoint({*turns} - {*free})",
         "",
         "statics/test_prescribed_rotation.py -k input_turns",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -14,16 +14,15 @@ import numpy as np
 from ..arguments import is_concrete
 from ..elements.element import COMPANIONS, NONLINEAR, SECTIONAL, Element
 from ..elements.general import General
-from ..elements.nodes import ROTATION3, NodeKind, unit_norm
+from ..elements.nodes import ROTATION3, unit_norm
 from ..elements.profile import Profile
 from ..elements.sections import MaterialDamping, Rigidity
 from ..math.indices import put
 from ..mechanics.blocks import with_meaning
-from ..model.by_name import frame_of
+from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Entry, Labels, Model, Signal
 from ..model.topology import HELD, Block, Loads, Parameters, Role, RoleIndices, Topology
 from .description import Description, Key, NamedSignal, turn_about
-from .tilts import with_tilts
 
 UNIT_NORM = Element(unit_norm)
 
@@ -51,25 +50,28 @@ def stack(values: Sequence[Any]) -> Any:
     return stacked if np.array_equal(places, np.arange(len(distinct))) else stacked[places]
 
 
-def _powers(kind: NodeKind) -> tuple[int, ...]:
-    return kind.powers or (0,) * kind.size
-
-
-@dataclasses.dataclass(frozen=True)
 class _Numbering:
     """Places of nodes and elements in the vectors of coordinates and deformations, with their roles.
 
     Attributes:
-        members: Elements and constraints of Euler parameters: name, element, nodes, properties, roles, shown or not.
+        members: Elements and constraints of Euler parameters: name, element, nodes, properties, roles.
         first_x, first_e: First coordinate of each node, and first deformation of each element.
         x_roles, e_roles: Role of each coordinate and deformation.
     """
 
-    members: list[tuple[str, Element, tuple[str, ...], dict[str, Any], list[Role], bool]]
-    first_x: dict[str, int]
-    first_e: dict[str, int]
-    x_roles: list[Role]
-    e_roles: list[Role]
+    def __init__(self, builder: Description):
+        self.members = [(n, m.element, m.nodes, m.properties, m.roles) for n, m in builder.members.items()]
+        for name, node in builder.nodes.items():
+            if node.kind is ROTATION3 and any(role is not Role.FIXED for role in node.roles):
+                self.members.append((name, UNIT_NORM, (name,), {}, [Role.FIXED]))
+        starts = np.cumsum([0] + [node.kind.size for node in builder.nodes.values()])
+        self.first_x: dict[str, int] = dict(zip(builder.nodes, starts.tolist(), strict=False))
+        self.x_roles = [role for node in builder.nodes.values() for role in node.roles]
+        self.first_e: dict[str, int] = {}
+        self.e_roles: list[Role] = []
+        for name, *_, roles in self.members:
+            self.first_e.setdefault(name, len(self.e_roles))
+            self.e_roles += roles
 
     def index(self, key: Key) -> int:
         """Return the index of a coordinate or deformation."""
@@ -77,37 +79,23 @@ class _Numbering:
         return (self.first_e if kind == "element" else self.first_x)[owner] + number - 1
 
 
-def _numbering(builder: Description) -> _Numbering:
-    starts = np.cumsum([0] + [node.kind.size for node in builder.nodes.values()])
-    members = [(n, m.element, m.nodes, m.properties, m.roles, not m.hidden) for n, m in builder.members.items()]
-    for name, node in builder.nodes.items():
-        if node.kind is ROTATION3 and any(role is not Role.FIXED for role in node.roles):
-            members.append((name, UNIT_NORM, (name,), {}, [Role.FIXED], False))
-    first_e, e_roles = {}, []
-    for name, _, _, _, roles, _ in members:
-        first_e.setdefault(name, len(e_roles))
-        e_roles += roles
-    x_roles = [role for node in builder.nodes.values() for role in node.roles]
-    return _Numbering(members, dict(zip(builder.nodes, starts.tolist(), strict=False)), first_e, x_roles, e_roles)
-
-
 def assemble(builder: Description) -> Model:
     """Model of a builder's contents, unchecked."""
     builder = with_tilts(builder)
-    numbering, nodes = _numbering(builder), builder.nodes.values()
+    numbering, nodes = _Numbering(builder), builder.nodes.values()
     warm = {owner for sets in builder.loads.values() for _, owner, _ in sets.get("temperature", {})}
     blocks, properties, stressed = _blocks(builder, numbering.members, numbering.first_x, warm)
     points = [numbering.first_x[name] for name, node in builder.nodes.items() if node.kind.part == "position"]
     axes: Any = np.array(points, int)[None, :] + np.arange(builder.dimension or 2)[:, None]
     dofs = [[numbering.index(d) for d in builder.dofs if d[0] == kind] for kind in ("node", "element")]
-    powers: Any = np.array([power for node in nodes for power in _powers(node.kind)], int)
+    powers: Any = np.array([power for node in nodes for power in node.kind.powers or (0,) * node.kind.size], int)
     indices = _indices(numbering.x_roles, dofs[0]), _indices(numbering.e_roles, dofs[1])
     topology = Topology(blocks, *indices, axes, powers)
     initial = _loads(builder.loads["initial"], topology, numbering.index)
     increment = _loads(builder.loads["increment"], topology, numbering.index)
     has_increment = bool(jax.tree.leaves(increment)) or any("incremental" in m[3] for m in numbering.members)
     parameters = Parameters(
-        _concatenate([node.start for node in nodes]),
+        stack([value for node in nodes for value in node.start]),
         properties,
         initial,
         increment if has_increment else None,
@@ -119,6 +107,39 @@ def assemble(builder: Description) -> Model:
     return Model(topology, parameters, _labels(builder, numbering, stressed, warm))
 
 
+def with_tilts(builder: Description) -> Description:
+    """Return a builder in which rotations that are FIXED about two global axes turn about the third without limit.
+
+    If two angles are zero, they do not determine a rotation by half a turn about the third axis. The tilts of the hinge
+    about this axis determine all rotations about it.
+
+    Returns:
+        A copy. Without such rotations, or if an input moves one of the two angles: the builder itself.
+
+    Source:
+        THEORY.md 2, eq. (2.17).
+    """
+    found: dict[str, list[Role]] = {}
+    hinges = (member for name, member in builder.members.items() if name.startswith(TURN_OF))
+    inputs = [s for top in builder.signals["input"] for s in top.parts or (top,)]
+    moved = {turn_of(s.key[1], TURNS[s.axis]) for s in inputs if s.axis is not None and s.quantity in MOTIONS}
+    for rotation in dict.fromkeys(member.nodes[-1] for member in hinges):
+        turns = [turn_about(builder, rotation, axis)[1] for axis in range(3)]
+        if not builder.members.keys() >= set(turns):
+            continue
+        roles = {name: builder.members[name].roles for name in turns}
+        free = [name for name in turns if roles[name][0] is not Role.FIXED]
+        if len(free) == 1 and moved.isdisjoint({*turns} - {*free}):
+            found |= {name: [Role.DEPENDENT, *roles[name][1:]] for name in turns if name not in free}
+            found[free[0]] = [roles[free[0]][0], Role.FIXED, Role.FIXED]
+    if not found:
+        return builder
+    twin = builder.copy()
+    for name, roles in found.items():
+        twin.members[name] = dataclasses.replace(twin.members[name], roles=roles)
+    return twin
+
+
 def _labels(builder: Description, numbering: _Numbering, stressed: Any, warm: set[str]) -> Labels:
     """Names of coordinates, deformations, elements and signals."""
     x_labels = [
@@ -127,7 +148,7 @@ def _labels(builder: Description, numbering: _Numbering, stressed: Any, warm: se
         for i, component in enumerate(node.kind.components, 1)
     ]
     e_labels = []
-    for name, element, _, _, roles, _ in numbering.members:
+    for name, element, _, _, roles in numbering.members:
         kind, symbol = ("norm", "norm") if element is UNIT_NORM else ("deformation", "e")
         called = element.deformation_names
         e_labels += [Entry(name, i, f"{symbol}{i}", kind, called.get(i, "")) for i in range(1, len(roles) + 1)]
@@ -174,27 +195,6 @@ def _starts(builder: Description) -> Any:
     return tuple(stack([pair[i] for pair in pairs]) for i in range(2))
 
 
-def with_roles(model: Model, builder: Description) -> Model:
-    """As :func:`assemble`, if only the roles of free coordinates and deformations have changed since."""
-    if builder.starts:
-        return assemble(builder)
-    builder = with_tilts(builder)
-    places = {"node": {}, "element": {}}
-    for kind, entries in (("node", model.labels.x), ("element", model.labels.e)):
-        for i, entry in enumerate(entries):
-            if entry.kind != "norm":
-                places[kind][entry.of, entry.component] = i
-    x_roles = [role for node in builder.nodes.values() for role in node.roles]
-    e_roles = [role for member in builder.members.values() for role in member.roles]
-    e_roles += [Role.FIXED] * (len(model.labels.e) - len(e_roles))
-    chosen = {
-        kind: [indices[owner, number] for k, owner, number in builder.dofs if k == kind]
-        for kind, indices in places.items()
-    }
-    x, e = on_device((_indices(x_roles, chosen["node"]), _indices(e_roles, chosen["element"])))
-    return dataclasses.replace(model, topology=dataclasses.replace(model.topology, x=x, e=e))
-
-
 def on_device(tree: Any) -> Any:
     """Arrays on the device, in one transfer, so that calls do not convert them again.
 
@@ -213,14 +213,8 @@ def _weights(signals: dict[str, list[NamedSignal]]) -> tuple[Any, Any] | None:
     """Weights of the terms of all inputs, and of all outputs; None without combinations."""
     if not any(s.parts for some in signals.values() for s in some):
         return None
-    inputs, outputs = (
-        _stacked([w for s in signals[side] for w in s.weights or (1.0,)]) for side in ("input", "output")
-    )
-    return inputs, outputs
-
-
-def _stacked(weights: list[Any]) -> Any:
-    return stack(weights) if weights else np.zeros(0)
+    inputs, outputs = ([w for s in signals[side] for w in s.weights or (1.0,)] for side in ("input", "output"))
+    return stack(inputs) if inputs else np.zeros(0), stack(outputs) if outputs else np.zeros(0)
 
 
 class _Piece(NamedTuple):
@@ -242,7 +236,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
     """
     groups: dict[Any, list[_Piece]] = {}
     first = 0
-    for name, element, nodes, properties, roles, _ in members:
+    for name, element, nodes, properties, roles in members:
         x = [first_x[n] + i for n in nodes for i in range(builder.nodes[n].kind.size)]
         e = list(range(first, first + len(roles)))
         first += len(roles)
@@ -261,9 +255,7 @@ def _blocks(builder: Description, members: list[tuple], first_x: dict[str, int],
         groups.setdefault(key, []).append(_Piece(name, x, e, splits, properties, present))
     blocks: list[tuple[Block, dict[str, Any], tuple[str | None, ...]]] = []
     for (element, _), group in groups.items():
-        alike: dict[Any, list[_Piece]] = {}
-        for piece in group:
-            alike.setdefault(_structure(piece.properties), []).append(piece)
+        alike = _grouped(group, lambda piece: _structure(piece.properties))
         separate = len(alike) > 1
         if separate and group[0].e:
             deformed = [p._replace(properties=element.of_deformation(p.properties)) for p in group]
@@ -301,18 +293,13 @@ def _block(
     element: Element, companions: tuple[str, ...], members: list[_Piece]
 ) -> tuple[Block, dict[str, Any], tuple[str | None, ...]]:
     """Elements stacked; several kinds of sections become a tuple of stacks, with the elements in this order."""
-    kinds: dict[Any, list[_Piece]] = {}
-    for piece in members:
-        section = piece.properties.get("section")
-        kinds.setdefault(jax.tree.structure(section), []).append(piece)
-    if len(kinds) > 1:
+    pieces = [piece for group in _grouped(members, _kind_of_section).values() for piece in group]
+    if any(piece.properties.get("section") is not None for piece in pieces):
         # An element without section, among others with one, gets a section of zeros.
-        filled = [
-            p if p.properties["section"] is not None else _with_section(p) for group in kinds.values() for p in group
+        pieces = [
+            p._replace(properties={**p.properties, "section": p.properties["section"] or Rigidity()}) for p in pieces
         ]
-        kinds = {}
-        for piece in filled:
-            kinds.setdefault(jax.tree.structure(piece.properties["section"]), []).append(piece)
+    kinds = _grouped(pieces, _kind_of_section)
     ordered = [piece for group in kinds.values() for piece in group]
     x: Any = np.array([p.x for p in ordered], int)
     e: Any = np.array([p.e for p in ordered], int).reshape(len(ordered), -1)
@@ -321,7 +308,7 @@ def _block(
     for name, value in ordered[0].properties.items():
         if name == "section":
             stacks = tuple(_stack_trees([p.properties[name] for p in group]) for group in kinds.values())
-            stacked[name] = stacks if len(kinds) > 1 else _stack_trees([p.properties[name] for p in ordered])
+            stacked[name] = stacks if len(stacks) > 1 else stacks[0]
         elif not is_option(value):
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
     has_resultants = "resultants" in companions
@@ -330,8 +317,16 @@ def _block(
     return *with_meaning(block, stacked), stressed
 
 
-def _with_section(piece: _Piece) -> _Piece:
-    return piece._replace(properties={**piece.properties, "section": Rigidity()})
+def _grouped(pieces: Iterable[_Piece], key: Callable[[_Piece], Any]) -> dict[Any, list[_Piece]]:
+    """Elements by a key, in order of first appearance."""
+    groups: dict[Any, list[_Piece]] = {}
+    for piece in pieces:
+        groups.setdefault(key(piece), []).append(piece)
+    return groups
+
+
+def _kind_of_section(piece: _Piece) -> Any:
+    return jax.tree.structure(piece.properties.get("section"))
 
 
 def _stack_trees(trees: list[Any]) -> Any:
@@ -346,11 +341,6 @@ def _indices(roles: list[Role], dofs: list[int]) -> RoleIndices:
 
     chosen: Any = np.array(dofs, int)
     return RoleIndices(of(Role.FIXED), of(Role.DEPENDENT), chosen, of(Role.PRESCRIBED))
-
-
-def _concatenate(parts: list[list]) -> Any:
-    values = [value for part in parts for value in part]
-    return stack(values)
 
 
 def _sparse(entries: dict | None, size: int, index: Callable[[Any], int]) -> Any:

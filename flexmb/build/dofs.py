@@ -15,7 +15,7 @@ from ..model.by_name import TURN_OF, TURNS, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.topology import HELD
 from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT, TURNS_BACK
-from .assemble import assemble, with_roles
+from .assemble import assemble
 from .clamps import with_clamps
 from .description import Description
 
@@ -38,13 +38,13 @@ def complete_model(builder: Description, model: Model, dofs: str, release: str) 
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{report}")
     if model.topology.n_q == 0 and dofs == "auto":
         builder = with_started(builder).copy()
-        started = with_roles(model, builder)
+        started = assemble(builder) if builder.dofs else model
         x, e = choose(started, motions, named_rows(started, motions, constraint_set), constraint_set)
         for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
             for i in chosen:
                 builder.dof(entries[i].of, entries[i].component, kind=kind)
         names = (*(str(model.labels.x[i]) for i in x), *(str(model.labels.e[i]) for i in e))
-        model = with_roles(model, builder)
+        model = assemble(builder)
         _check_named(model, motions, constraint_set)
         return dataclasses.replace(model, labels=dataclasses.replace(model.labels, found=names))
     model = _with_coefficients(builder, model, motions)
