@@ -1,9 +1,19 @@
-"""Values collected while a function is traced: conditions on numbers, codes of analyses."""
+"""Context variables: set for a while, and values collected while a function is traced."""
 
 import contextlib
 import contextvars
 from collections.abc import Iterator
 from typing import Any
+
+
+@contextlib.contextmanager
+def setting(variable: contextvars.ContextVar[Any], value: Any) -> Iterator[Any]:
+    """Set a context variable for a while, and yield its value."""
+    token = variable.set(value)
+    try:
+        yield value
+    finally:
+        variable.reset(token)
 
 
 class Collector:
@@ -17,12 +27,8 @@ class Collector:
         """Collect values in a list that is yielded."""
         import jax.extend.core
 
-        values: list[Any] = []
-        token = self._current.set((jax.extend.core.get_opaque_trace_state(), values))
-        try:
+        with setting(self._current, (jax.extend.core.get_opaque_trace_state(), [])) as (_, values):
             yield values
-        finally:
-            self._current.reset(token)
 
     def here(self) -> list[Any] | None:
         """The values so far; None if nothing is collected."""

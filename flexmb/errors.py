@@ -8,6 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from .collecting import setting
+
 # Files of the package and of its context managers, which warnings do not point at.
 _OWN = str(Path(__file__).parent)
 # Longest name in a message; a file may contain a word of megabytes.
@@ -108,9 +110,5 @@ _HEARD: contextvars.ContextVar[_Heard | None] = contextvars.ContextVar("heard", 
 @contextlib.contextmanager
 def heard(*but: type[FlexmbWarning]) -> Iterator[list[str]]:
     """Collect warnings of the package in this thread, except some categories; other warnings pass."""
-    messages: list[str] = []
-    token = _HEARD.set((messages, but))
-    try:
+    with setting(_HEARD, ([], but)) as (messages, _):
         yield messages
-    finally:
-        _HEARD.reset(token)

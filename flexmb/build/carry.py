@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..collecting import setting
 from ..model.model import Model
 from .description import Description
 
@@ -15,49 +16,30 @@ _BUILDERS: contextvars.ContextVar[list[Description] | None] = contextvars.Contex
 _REPLAY: contextvars.ContextVar[Iterator[Model] | None] = contextvars.ContextVar("replay", default=None)
 
 
-@contextlib.contextmanager
-def collected_models() -> Iterator[list[Model]]:
+def collected_models() -> contextlib.AbstractContextManager[list[Model]]:
     """Collect the models that are built, in order."""
-    models: list[Model] = []
-    token = _RECORD.set(models)
-    try:
-        yield models
-    finally:
-        _RECORD.reset(token)
+    return setting(_RECORD, [])
 
 
-@contextlib.contextmanager
-def built() -> Iterator[list[Description]]:
+def built() -> contextlib.AbstractContextManager[list[Description]]:
     """Collect the builders that build, in order, before they do."""
-    builders: list[Description] = []
-    token = _BUILDERS.set(builders)
-    try:
-        yield builders
-    finally:
-        _BUILDERS.reset(token)
+    return setting(_BUILDERS, [])
+
+
+def carried_choices(models: list[Model]) -> contextlib.AbstractContextManager[Any]:
+    """Pass degrees of freedom and releases of models to traced builds in the same order."""
+    return setting(_REPLAY, iter(models))
 
 
 def note_builder(builder: Description) -> None:
     """Collect a copy of a builder if builders are collected."""
-    builders = _BUILDERS.get()
-    if builders is not None:
+    if (builders := _BUILDERS.get()) is not None:
         builders.append(builder.copy())
-
-
-@contextlib.contextmanager
-def carried_choices(models: list[Model]) -> Iterator[None]:
-    """Pass degrees of freedom and releases of models to traced builds in the same order."""
-    token = _REPLAY.set(iter(models))
-    try:
-        yield
-    finally:
-        _REPLAY.reset(token)
 
 
 def collect_model(model: Model) -> Model:
     """Collect a finished model if models are collected."""
-    models = _RECORD.get()
-    if models is not None:
+    if (models := _RECORD.get()) is not None:
         models.append(model)
     return model
 

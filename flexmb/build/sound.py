@@ -23,7 +23,7 @@ def checks_of(parameters: Parameters, topology: Topology) -> Iterator[Check]:
         for first, last, stacked in _by_section_kind(properties, len(block.x)):
             for record in stacked.values():
                 if isinstance(record, Section | Damping):
-                    yield _faults, record, type(record).faults
+                    yield type(record).faults, record, type(record).faults
             if block.element.check is not None:
                 arguments = {**dict(block.options), **stacked}
                 yield from _element_check(block, block.element.check, reference[:, first:last], arguments)
@@ -50,10 +50,6 @@ def nan_if_impossible(model: Model) -> Model:
         traced = iter(marked([leaf for leaf in leaves if not is_concrete(leaf)]))
         leaves = [leaf if is_concrete(leaf) else next(traced) for leaf in leaves]
         return dataclasses.replace(model, parameters=jax.tree.unflatten(structure, leaves))
-
-
-def _faults(record: Section | Damping) -> list[str]:
-    return record.faults()
 
 
 def _by_section_kind(properties: dict[str, Any], count: int) -> Iterator[tuple[int, int, dict[str, Any]]]:
