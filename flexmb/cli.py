@@ -15,7 +15,9 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 from typer.exceptions import TyperException
 
+from . import __version__
 from .errors import AnalysisError, MechanismError, ModelError, SpacarError, StudyError, heard, printable, warn
+from .setup import enable_cache, enable_x64
 
 EXIT_FAILED, EXIT_WRONG_CALL = 1, 2
 # Exit codes of shells for programs that a signal ended: Ctrl-C, and a closed pipe.
@@ -159,18 +161,19 @@ def _writing(path: Any) -> Iterator[None]:
         _refuse(f"flexmb: cannot write '{printable(path)}': {fault.strerror or fault}.")
 
 
-def _store(path: Any, write: Callable[[Any], None]) -> None:
-    """Write a file if its path is given."""
+def _store(path: Any, write: Callable[[Any], bytes | None]) -> None:
+    """Write a file if its path is given, by a function that writes it or returns its content."""
+    from .files import write_whole
+
     if path not in (None, "-"):
         with _writing(path):
-            write(path)
+            if (content := write(path)) is not None:
+                write_whole(path, content)
         WRITTEN.append(path)
 
 
 def _prepare_jax() -> None:
     """Switch on double precision and the cache of compiled code."""
-    from . import enable_cache, enable_x64
-
     enable_x64()
     with contextlib.suppress(OSError):
         # Without a writable cache folder the program is only slower.
@@ -320,19 +323,23 @@ def _print_answer(
         picture: Function of :mod:`flexmb.plot` instead of the usual one.
     """
     from .answers.answer_files import to_json
-    from .files import write_whole
 
-    _store(json_path, lambda path: write_whole(path, to_json(data).encode()))
+    _store(json_path, lambda _: to_json(data).encode())
     if plot is not None and result is not None:
         from .plot.answer import image_of
 
-        _store(plot, lambda path: write_whole(path, image_of(result, path.suffix[1:], picture)))
+        _store(plot, lambda path: image_of(result, path.suffix[1:], picture))
     if json_path == "-" or text is not None:
         warnings = "".join(f"warning: {warning}\n" for warning in data["warnings"])
         _print_text(to_json(data) if json_path == "-" else f"{warnings}{text}")
     if data["status"] != "ok":
-        _complain(f"{name}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
-        raise typer.Exit(EXIT_FAILED)
+        _end_failed(data, name, EXIT_FAILED)
+
+
+def _end_failed(data: dict[str, Any], name: str, status: int) -> NoReturn:
+    """End with an exit status after one line on standard error about an answer."""
+    _complain(f"{name}: {data['status']}: {(data['message'].splitlines() or [''])[0]}")
+    raise typer.Exit(status)
 
 
 def _run(
@@ -352,7 +359,6 @@ def _run(
     from .answers.answers import QuestionError, also_asked, answer
     from .answers.tables import log as log_text
     from .answers.tables import table
-    from .files import write_whole
 
     _check_files(model, plots=(*PICTURES, ".html"), json=json_path, save=save, log=log, plot=plot)
     _prepare_jax()
@@ -366,50 +372,28 @@ def _run(
         result.data.update(also_asked(result, ask or ()))
     except QuestionError as fault:
         _refuse(f"flexmb run: --ask: {fault}.")
-    _store(json_path, lambda path: write_whole(path, to_json(result.data).encode()))
+    _store(json_path, lambda _: to_json(result.data).encode())
     _store(save, lambda path: save_answer(result.data, path))
-    _store(log, lambda path: write_whole(path, log_text(result, read.text).encode(errors="backslashreplace")))
-    _store(plot, lambda path: _draw(result, path))
+    _store(log, lambda _: log_text(result, read.text).encode(errors="backslashreplace"))
+    _store(plot, lambda path: _drawn(result, path.suffix))
     _print_text(to_json(result.data) if json_path == "-" else table(result.data))
     if result.exit_status:
-        first = (result.data["message"].splitlines() or [""])[0]
-        _complain(f"{read.name}: {result.data['status']}: {first}")
-        raise typer.Exit(result.exit_status)
+        _end_failed(result.data, read.name, result.exit_status)
 
 
-def _draw(result: Any, path: Path) -> None:
-    """Draw an answer in a file; without an answer, the mechanism."""
-    from .files import write_whole
-
-    if path.suffix == ".html":
+def _drawn(result: Any, ending: str) -> bytes:
+    """Picture or page of an answer; without an answer, of the mechanism."""
+    if ending == ".html":
         from .viewer.view import page
 
-        write_whole(path, page(result))
-    else:
-        from .plot.answer import image
+        return page(result)
+    from .plot.answer import image
 
-        write_whole(path, image(result, path.suffix[1:]))
-
-
-@contextlib.contextmanager
-def _foreseen(debug: bool) -> Iterator[None]:
-    """Turn an unexpected fault into one line, unless a traceback is asked for."""
-    try:
-        yield
-    except typer.Exit:
-        raise
-    except Exception as fault:
-        if debug:
-            raise
-        first = printable((str(fault).splitlines() or [""])[0])
-        _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
-        raise typer.Exit(EXIT_FAILED) from None
+    return image(result, ending[1:])
 
 
 def _version(requested: bool) -> None:
     if requested:
-        from . import __version__
-
         _print_text(f"flexmb {__version__}")
         raise typer.Exit
 
@@ -428,8 +412,16 @@ def command(function: Callable[..., None]) -> Callable[..., None]:
 
     @functools.wraps(function)
     def call(debug: bool = False, **options: Any) -> None:
-        with _foreseen(debug):
+        try:
             function(**options)
+        except typer.Exit:
+            raise
+        except Exception as fault:
+            if debug:
+                raise
+            first = printable((str(fault).splitlines() or [""])[0])
+            _complain(f"flexmb: {type(fault).__name__}: {first} (--debug shows where)")
+            raise typer.Exit(EXIT_FAILED) from None
 
     signature = inspect.signature(function)
     debug = inspect.Parameter("debug", inspect.Parameter.KEYWORD_ONLY, default=False, annotation=Debug)
@@ -492,7 +484,7 @@ def verdict(
     plot: PagePlot = None,
 ) -> None:
     """Show forces and limits of a stroke on one page; with --set also the effect of these numbers."""
-    from . import __version__, read_spacar
+    from . import read_spacar
     from . import verdict as judge
     from .design.stroke import StrokeError
 
@@ -669,8 +661,6 @@ def _study(
     read_study: Callable[[Path], Any] | None = None,
 ) -> None:
     """Run a study and write its answer; ``work`` returns data, table, saving function and result."""
-    from . import __version__
-
     if read_study is None:
         from .design.study_file import read_study
 
@@ -708,7 +698,6 @@ def sweep(
         _refuse(f"flexmb sweep: --checkpoint needs a file of its own, not '{printable(checkpoint)}'.")
 
     def work(read: Any):
-        from . import __version__
         from .design.study import sweep_answer, sweep_table
 
         if plot is not None and not any(len(set(v.tolist())) > 1 for v in read.designs().values()):
@@ -730,7 +719,6 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
     """Find parameters within bounds that meet targets and keep limits."""
 
     def work(read: Any):
-        from . import __version__
         from .design.study import tune_answer
         from .files import save_arrays
 
@@ -758,7 +746,6 @@ def robustness(study: StudyFile, json_path: Json = None, save: Save = None, plot
     """Compute yield, percentiles and worst cases of made mechanisms with scatter."""
 
     def work(read: Any):
-        from . import __version__
         from .design.study import robustness_answer, robustness_table
 
         result = read.robustness(progress=sys.stderr.isatty())
@@ -783,7 +770,6 @@ def fit(
         return read_fit_study(path)
 
     def work(read: Any):
-        from . import __version__
         from .files import save_arrays
         from .identification.fit_study import fit_answer, fit_arrays
 

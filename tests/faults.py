@@ -196,15 +196,20 @@ PROFILES = "elements/test_profile.py -k against_shooting"
 TRACED = "test_laws_of_answers.py -k under_a_trace"
 FAULTS = [
     # The command line and what it answers.
-    Fault("cli.py", "raise typer.Exit(result.exit_status)", "raise typer.Exit(0)", "test_cli.py -k ends_early"),
+    Fault(
+        "cli.py",
+        "_end_failed(result.data, read.name, result.exit_status)",
+        "raise typer.Exit(0)",
+        "test_cli.py -k ends_early",
+    ),
     Fault("cli.py", "_run(model, 0, json_path", "_run(model, 7, json_path", "test_cli.py -k check_is"),
     Fault(
         "cli.py", "raise typer.Exit(EXIT_FAILED) from None", "raise typer.Exit(0) from None", "test_cli.py -k foresaw"
     ),
     Fault(
         "cli.py",
-        "        with _foreseen(debug):\n            function",
-        "        if True:\n            function",
+        "            if debug:\n                raise",
+        "            if True:\n                raise",
         "test_cli.py -k every_command",
     ),
     Fault("cli.py", "{name.strip(): length} if equals", "{name.strip(): -length} if equals", "test_cli.py -k verdict"),
