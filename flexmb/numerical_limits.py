@@ -3,6 +3,40 @@
 Values are relative unless a unit is given. Tolerances of integrators and of user options are in their own modules.
 """
 
+# --- in several rooms -------------------------------------------------------------------------------------------------
+
+NEGLIGIBLE = 1e-9
+"""Numbers below this share of the largest of their kind, or of their parts, are round-off: stiffnesses of a leaf spring
+differ by six digits, and answers keep nine or ten."""
+
+ROUND_OFF = 1e-12
+"""The same for numbers whose round-off no stiffness amplifies, such as sums and phases: they keep twelve digits."""
+
+TEN_DIGITS = 1e-9
+"""Given numbers are equal within this: they are typed or printed with ten digits, or are sums or quotients."""
+
+SAME_TIME = 1e-9
+"""Two times are equal within this share of the largest time or of one step: times are often sums of steps."""
+
+NO_STIFFNESS = 1e-12
+"""A motion meets no stiffness below this share of the stiffnesses beside it: round-off of the stiffness matrix."""
+
+NO_MASS = 1e-12
+"""A motion has no mass below this share of the largest."""
+
+FREE_STIFFNESS = 1e-13
+"""A motion is free if its stiffness or its eigenvalue is below this share of the largest, which is round-off."""
+
+REPEATED_EIGENVALUE = 1e-8
+"""Eigenvalues or poles within this share of each other are one that is repeated."""
+
+LARGEST_ALIKE = 1e-6
+"""Of numbers that agree within this share of the largest, the first decides a sign, a place or an order: round-off must
+not choose."""
+
+FREE_POLE = 1e-7
+"""A pole or a frequency below this share of the largest belongs to a free motion, by round-off."""
+
 # --- root -----------------------------------------------------------------------------------------------------------
 
 OUTER_MOTION = 1e-6
@@ -17,13 +51,6 @@ POWER_OF_TEN = 1e-9
 SHORTEST_ELEMENT = 1e-12
 """Shortest length of an element over the largest coordinate of its ends. Positions have 16 digits: below this, ends
 such as 3 * 0.05 and 0.15 differ by round-off alone."""
-
-ABOVE_LARGEST_POISSON = 1e-9
-"""E/(2 G) - 1 may exceed 0.5 by this. Moduli are often typed from a Poisson's ratio of one half."""
-
-PRINCIPAL_MOMENTS = 1e-9
-"""Principal moments of inertia may miss the triangle inequality by this share of the largest: a plate meets it exactly,
-and eigenvalues carry round-off."""
 
 SOFTEST_STIFF_SOLID = 1e6
 """Young's modulus in Pa below which solids are gels, soft rubbers or foams. Moduli of metals in MPa (210e3)
@@ -68,9 +95,6 @@ STRIP_SERIES = 0.06
 """u^4 of a flattened strip up to which a quotient of power series replaces the closed form. The series is exact to
 1e-10 there, and the closed form loses digits."""
 
-PLACE_OF_BREAK = 1e-9
-"""Breaks of a section may lie outside of [0, 1], or out of order, by this: they are often quotients of lengths."""
-
 SMOOTH_CURVE = 1e-6
 """An initial curvature is smooth if its series of twenty terms misses it by less than this share of the largest."""
 
@@ -85,9 +109,6 @@ SAME_END = 1e-9
 
 SAME_SIZE = 1e-9
 """Leaf springs in line have no step in width or thickness if these differ by less than this share."""
-
-SAME_DAMPING = 1e-12
-"""Damping of a material along a section varies where it differs by more than this, which is round-off."""
 
 SAME_STIFFNESS = 1e-6
 """A stiffness matrix is symmetric up to this share of the roots of its diagonal. Printed numbers have seven digits."""
@@ -128,9 +149,6 @@ KINK_OVER_USUAL = 8.0
 KINK_OVER_SLOPE = 1e-3
 """A kink changes the slope by at least this share. A smaller one has no effect on a step within its tolerance."""
 
-CHANGE_OF_FORCE = 1e-9
-"""A force that changes within a step by less than this share of its size changes by round-off."""
-
 STEP_AT_KINK = 1e-6
 """A step across a kink is shortened to this share of the step that was refused."""
 
@@ -152,9 +170,6 @@ STEADY_EQUATIONS = 1e-6
 SMALL_DIAGONAL = 1e-8
 """Diagonal entries below this share of the largest do not scale a comparison of matrices: it would show round-off."""
 
-SAME_TIME = 1e-9
-"""A time is one of the output times within this share of the largest time."""
-
 REUSED_FACTORS = 0.2
 """A time step keeps its factorised matrix while each iteration reduces the change at least to this share."""
 
@@ -163,9 +178,6 @@ STEP_CONVERGED = 1e-14
 
 STEP_STALLED = 1e-10
 """An iteration that stalls below this change, at round-off, counts as solved too."""
-
-WHOLE_STEPS = 1e-9
-"""A time is a whole number of steps or samples within this share of one step: times are often sums of steps."""
 
 ROOT_FINDER = 1e-3
 """Tolerance of the root finder of an implicit solver, as share of the relative tolerance of a step."""
@@ -224,9 +236,6 @@ STRESS_ROUND_OFF = 1e-15
 """Round-off of stress resultants: that of a deformation, over what the mechanism's extent would make of it; that of a
 constraint force, over the largest force that it balances; that of an element's curvature, over its largest entry."""
 
-NEGATIVE_STIFFNESS = 1e-9
-"""An element's stiffness is negative below zero by more than this share."""
-
 HELD_COMPLIANCE = 1e-7
 """A direction of a node is held if the root of its compliance is below this share of the largest root among
 displacements, or among rotations: a share of 1e-14 of a compliance is round-off; leaf springs have 1e-8 at least."""
@@ -246,23 +255,11 @@ INDEFINITE_FLEXIBILITY = 1e-10
 COUNTED_BEFORE_LAST = 1e-6
 """Eigenvalues are counted up to this share before the last that was found."""
 
-FREE_STIFFNESS = 1e-13
-"""A motion is free if its stiffness is below this share of the stiffnesses at its coordinates."""
-
-PART_IN_MOTION = 1e-9
-"""A direction takes part in a motion if it has more than this share of it."""
-
-NO_MASS = 1e-12
-"""A motion has no mass below this share of the largest."""
-
 ONE_CLUSTER = 1e-6
 """Eigenvalues within this share of each other have one common space of modes: the vector of one is round-off."""
 
 TRUE_POLE = 1e-9
 """Residual of a pole's motion over its size. Above, another shift is tried."""
-
-REPEATED_EIGENVALUE = 1e-8
-"""Eigenvalues within this share of each other are repeated."""
 
 FREE_ENERGY = 1e-8
 """A free motion has less elastic energy than this share of the round-off of the largest stiffness."""
@@ -331,14 +328,8 @@ REAL_VALUE = 1e-8
 GROWING_POLE = 1e-9
 """A pole grows if its real part is above this share of its size."""
 
-ROUND_OFF_OF_POLES = 1e-12
-"""Poles below this share of the largest are round-off."""
-
 BESIDE_BREAK = 1e-9
 """Distance from a break at which both its sides are evaluated, over an element's length."""
-
-ONE_REPEATED_POLE = 1e-8
-"""Poles within this share of each other are one repeated pole."""
 
 SOLVED_BY_VECTOR = 1e-6
 """Residual of the vector of a pole, for equations scaled to one."""
@@ -352,9 +343,6 @@ BESIDE_POLE = 1e-7
 
 # --- control ----------------------------------------------------------------------------------------------------------
 
-NEGLIGIBLE_TERM = 1e-9
-"""A sum is zero below this share of the sizes of its terms."""
-
 BOUNDED_ROUND_OFF = 1e-14
 """Round-off of a sum over the bound of its terms in degrees of freedom."""
 
@@ -367,9 +355,6 @@ COUPLED_BY_ROUND_OFF = 1e-14
 
 RESONANCE_HIT = 16 * 2.0**-52
 """A resonance is hit if stiffness minus inertia is below this share of both: 16 times round-off."""
-
-NO_PART_OF_MODE = 1e-12
-"""A mode below this share of the largest part of a response takes no part in it."""
 
 SAME_MODE = 1e-9
 """Squared frequencies of modes within this share of each other belong to the same mode."""
@@ -400,9 +385,6 @@ sum."""
 DECAYING_POLE = 1e-13
 """A motion decays if its pole has a real part below minus this share of the largest pole; round-off is smaller."""
 
-FREE_POLE = 1e-7
-"""A pole below this share of the largest is that of a free motion, by round-off."""
-
 FIRST_OF_BAND = 1e-4
 """A band from 0 Hz begins at this share of its slowest pole or of its end: an acceleration has moved without bounds at
 rest."""
@@ -429,15 +411,6 @@ extent, or radians: the error is then at most its square."""
 POSITION_OUTPUT = 0.1
 """An output is a position if its part by rate is below this share of it, at the frequency of the plant."""
 
-SUM_ROUND_OFF = 1e-12
-"""A sum of terms is round-off below this share of their sizes."""
-
-IDLE_FORCE = 1e-9
-"""A force beside those of constraints is round-off below this share."""
-
-POLE_ROUND_OFF = 1e-9
-"""Round-off of values over the largest of their kind, at most."""
-
 NARROWEST_RESONANCE = 1e-6
 """Smallest half width of a resonance about which frequencies are placed, over its frequency."""
 
@@ -462,37 +435,16 @@ JUMP_OF_PHASE = 0.1
 LEVEL_AT_REST = 0.01
 """A response near rest is constant if its size differs by less than this share from that at twice the rate."""
 
-SAME_PHASE = 1e-12
-"""Phases are the same if their sines differ by less: an undamped mechanism responds in phase but for round-off."""
-
 LOST_DAMPING = 0.01
 """Error of responses without the damping of massless motions that is reported."""
-
-IDLE_INPUT = 1e-12
-"""An effect of an input below this share of what it could be is round-off."""
-
-RATE_ROUND_OFF = 1e-9
-"""A rate of an input below this share of its parts is round-off."""
 
 TRUNCATION_ERROR = 0.01
 """Error of a truncated state space that is reported."""
 
-STILL_MODE = 1e-7
-"""A mode below this share of the highest frequency does not vibrate: its frequency is round-off."""
-
-IDLE_RESPONSE = 1e-9
-"""A response is round-off below this share of the effects of a force along the output and of the input along itself."""
-
 # --- paths ------------------------------------------------------------------------------------------------------------
-
-LARGEST_ALIKE = 1e-6
-"""Of entries that agree within this share of the largest, the first decides a sign: round-off must not choose."""
 
 SOFT_SIGN = 1e-8
 """A flexibility shows the sign of a motion above this share of the largest. The stiffness shows that of others."""
-
-NO_FLEXIBILITY = 1e-13
-"""A motion meets no stiffness below this share of the largest stiffness, at the begin of a path."""
 
 SMALL_MOTION = 1e-4
 """Displacements of points are measured by a motion of this share of the extent, forth and back."""
@@ -532,9 +484,6 @@ DOUBTED_SIGN = 100
 SMALLEST_COSINE = 0.9
 """Cosine of the largest turn of the tangent in a step: 25 degrees."""
 
-NO_LOAD = 1e-12
-"""A path that gets no further than this share of its load has met no stiffness but round-off."""
-
 LARGEST_MOTION = 0.2
 """Largest motion in a step (extents of the mechanism, radians)."""
 
@@ -549,9 +498,6 @@ SMALLEST_SCALE = 0.05
 
 REUSED_CORRECTION = 0.1
 """Factors of a correction are reused if the next correction then leaves less than this share of the tolerance."""
-
-ZERO_ON_STEP = 1e-12
-"""A value is zero below this share of those at the ends of its step."""
 
 NEAR_STATES = 1e-6
 """A zero is found between states this near to each other: the path is straight there to 1e-12."""
@@ -570,9 +516,6 @@ at the ends of the step: a second search would find the same point."""
 NEUTRAL_VALUE = 1e-13
 """A critical value below this share of the next one has no sign: a column that may buckle to any side moves between
 sides without force."""
-
-NO_STIFFNESS = 1e-12
-"""A motion meets no stiffness if its critical value is below this share of the largest."""
 
 SAME_STATE = 1e-7
 """States of a closed path agree to this (extents, radians, load factor): Newton's tolerance."""
@@ -632,11 +575,8 @@ FOLDED_MECHANISM = 1e5
 """Largest motion by a change of the constraints, over that of the undeformed mechanism. A crank that is a share y of
 its length from its dead point is moved some 1/y times as far, and round-off of its velocity is that over y^2."""
 
-LOOSE_MOTION = 1e-12
-"""A motion has no stiffness below this share of the stiffnesses at its coordinates."""
-
 LOOSE_BY_ROUND_OFF = 1e-20
-"""Nor has it below this share of the largest stiffness of all, if other motions take part in it by round-off."""
+"""A motion has no stiffness below this share of the largest of all either, if others take part in it by round-off."""
 
 STEP_TOLERANCE = 1e-9
 """A smaller correction is made and ends the iteration: the error left is of the order of its square."""
@@ -671,9 +611,6 @@ DEPENDENT_VECTOR = 1e-20
 
 NEEDLESS_ENERGY = 30.0
 """Elastic energy over the least possible one that is reported. Shapes that elements take gradually stay below."""
-
-STRAIN_ROUND_OFF = 1e-12
-"""Deformations below this share of the extent, or of a radian, are round-off."""
 
 # --- math -----------------------------------------------------------------------------------------------------------
 
@@ -742,12 +679,6 @@ FORCE_ROUND_OFF = 10 * 2.0**-52
 
 # --- build ----------------------------------------------------------------------------------------------------------
 
-UNIT_NORM_OF_ROTATION = 1e-9
-"""Euler parameters may miss the unit norm by this: they are often typed or computed with ten digits."""
-
-SYMMETRIC_INERTIA = 1e-9
-"""A matrix of inertia may be unsymmetric by this share of its largest entry: programs for solids print ten digits."""
-
 INDEPENDENT = 1e-5
 """Part of a unit candidate for a degree of freedom that must remain after those already chosen. Below, the rest of the
 mechanism would be determined to ten digits or fewer."""
@@ -779,9 +710,6 @@ SHORTEST_DIRECTION = 1e-9
 
 # --- trajectory -----------------------------------------------------------------------------------------------------
 
-OUTSIDE_TIMES = 1e-9
-"""Times may lie outside of the times of a system by this share of the largest: they are often sums of steps."""
-
 NO_VIBRATION = 1e-6
 """Frequencies below this share of the highest count as no vibration where frequencies are compared."""
 
@@ -802,15 +730,9 @@ MISSED_CONFIGURATION = 1e-8
 
 # --- plot -----------------------------------------------------------------------------------------------------------
 
-SMALLEST_RESPONSE = 1e-9
-"""An output responds to an input above this share of the largest response to it. Below stands round-off."""
-
 SMALLEST_SHAPE = 1e-6
 """A mode moves its lines, or turns its sections, above this, per unit of its largest coordinate. Below stands the
 round-off of the difference that finds the motion."""
-
-NOT_MOVED = 1e-12
-"""A mechanism is drawn as undeformed if no coordinate is farther off than this, which is round-off [m, rad]."""
 
 SAME_PLACE_ON_LINE = 1e-9
 """A node is the end of a line if it is nearer than this share of the line's extent."""
@@ -824,16 +746,7 @@ OPPOSITE_TANGENTS = 1e-9
 PHASE_OF_MINUS_180 = 1e-3
 """A phase that begins within this below 180 degrees is drawn from -180, as of a mass without support [degrees]."""
 
-POLE_AT_ZERO = 1e-9
-"""A pole below this share of the largest has no place among the frequencies of a Bode plot."""
-
 # --- workbench ------------------------------------------------------------------------------------------------------
-
-SAME_PLACE = 1e-9
-"""Two places are the same up to this share of the largest coordinate: positions are sums and products of texts."""
-
-SAME_DEFORMATION = 1e-9
-"""Deformations of an element and of its mirror image agree up to this share of the largest: both carry round-off."""
 
 REPEATED_ANSWER = 1e-6
 """Two frequencies, load multipliers or stresses are repeated within this share: one alone has no derivative there."""
@@ -854,22 +767,10 @@ TARGET_NEARLY = 1e-6
 TARGET_AGAINST = 1e-4
 """A target that is met with less than this share to spare limits the others."""
 
-FREE_MOTION = 1e-13
-"""A motion is free if its eigenvalue is below this share of the largest. Below stands round-off."""
-
-MASSLESS_MOTION = 1e-12
-"""A motion is massless if its mass is below this share of the largest. Below stands round-off."""
-
-STRAIGHT_LINE = 1e-9
-"""A line is straight, and a length zero, below this share of the mechanism. Below stands round-off."""
-
 # --- design ---------------------------------------------------------------------------------------------------------
 
 NOT_LINEAR = 0.2
 """A scatter is not linear if its second order exceeds this share of the first. Our choice."""
-
-ZERO_SECOND_ORDER = 1e-9
-"""Second order of a scatter below this share of the answer is round-off."""
 
 RIGID_NODE = 1e-20
 """A node is rigid along an axis if its compliance is below this share of the most compliant node. Below stands
@@ -877,12 +778,6 @@ round-off of the solution."""
 
 ALONG_AXIS = 1 - 1e-12
 """A unit vector lies along an axis if its component exceeds this."""
-
-STRAIGHT_MOTION = 1e-9
-"""Parasitic motion below this share of the stroke is round-off."""
-
-EQUAL_OVER_STROKE = 1e-9
-"""Numbers over the stroke are equal within this share: round-off separates symmetric strokes."""
 
 VIOLATION_FALLS = 0.25
 """The weight of the penalty grows if a round leaves more than this share of the violation."""
@@ -913,9 +808,6 @@ SOFT_TARGET_MET = 1e-5
 
 NEGLIGIBLE_SHARE = 0.1
 """Share of the tolerance of a lean model for negligible deformations. The rest is for condensed ones. Our choice."""
-
-NO_MISSING_RESPONSE = 1e-12
-"""A static response is complete, and a motion has no energy, below this share. Below stands round-off."""
 
 SAME_DIRECTIONS = (1e-4, 1e-6, 1e-8, 1e-10)
 """Directions whose energy is below this share of the largest are dropped. Smaller ones are tried if the error is too
@@ -952,9 +844,6 @@ the condition of a leaf spring."""
 
 # --- spacar ---------------------------------------------------------------------------------------------------------
 
-SAME_POISSON = 1e-12
-"""Poisson's ratio equals E/(2 G) - 1 within this, which is round-off."""
-
 SIZES_ALIKE = 0.02
 """Second moments over the area by sizes and by ESTIFF agree within this share. Sizes in files are often rounded."""
 
@@ -973,23 +862,10 @@ LIGHT_PARALLEL = 1e-5
 LIGHT_THIN = 1e-4
 """A size of a section below this is likely given in the wrong unit [m]."""
 
-SAME_AXIS = 1e-9
-"""Components of two unit vectors along one axis agree within this: they are quotients of given numbers."""
-
 # --- checks ---------------------------------------------------------------------------------------------------------
 
 SMALLEST_SHARE = 1e-3
 """Parts below this in a motion or a self-stress, whose largest is 1, are not listed."""
-
-LOCKED_INPUT = 1e-9
-"""An input is locked if the motions move it by less than this share."""
-
-NOT_VANISHING = 1e-9
-"""Deformations do not vanish above this share of what the mechanism's extent would make of them. Below stands
-round-off."""
-
-SAME_SHARE = 1e-6
-"""Parts closer than this share of the largest are equal but for round-off: the first of them leads the list."""
 
 TAKES_NO_PART = 1e-6
 """A constraint with less than this part in all self-stresses of norm 1 takes no part in them."""
@@ -1000,14 +876,7 @@ CLOSED_LOOP = 1e-10
 SELF_STRESS = 1e-6
 """Scaled singular values below this are those of a self-stress. Near a branching point the others come close."""
 
-SAME_RANGE = 1e-6
-"""Ranges of coordinates closer than this share are equal but for round-off: the first names the place."""
-
 # --- answers --------------------------------------------------------------------------------------------------------
-
-LOOSE_FREEDOM = 1e-12
-"""A degree of freedom is loose if its stiffness is below this share of the largest, both per unit mass. Below stands
-round-off of the stiffness matrix."""
 
 # --- identification -------------------------------------------------------------------------------------------------
 
@@ -1026,9 +895,6 @@ ZERO_SLOPE = 1e-9
 
 PART_IN_COMBINATION = 0.02
 """A parameter with less than this part in a direction does not belong to the combination."""
-
-SYMMETRIC_COVARIANCE = 1e-9
-"""A covariance may be unsymmetric by this share of its largest entry: tables print ten digits."""
 
 OUTLIER = 3.0
 """Differences beyond so many standard deviations are named. Scatter alone exceeds it once in 370."""

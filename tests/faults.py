@@ -513,7 +513,7 @@ FAULTS = [
     Fault("control/truncation.py", "inertia @ (keep.T @ forces))", "0)", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "share[:, None])", "-share[:, None])", "control/test_truncation.py -k rigid"),
     Fault("control/truncation.py", "hertz <= bandwidth", "hertz >= bandwidth", "control/test_truncation.py -k margins"),
-    Fault("control/truncation.py", "IDLE_RESPONSE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
+    Fault("control/truncation.py", "NEGLIGIBLE * np.sqrt", "1e3 * np.sqrt", "control/test_truncation.py -k error"),
     Fault("control/second_order_form.py", "s**2 * m, forces", "s * m, forces", "control/test_truncation.py -k error"),
     Fault(
         "control/truncation.py",
@@ -2181,7 +2181,7 @@ FAULTS = [
     ),
     Fault(
         "statics/coarse.py",
-        "np.abs(e) > STRAIN_ROUND_OFF * max(extent, 1.0)",
+        "np.abs(e) > ROUND_OFF * max(extent, 1.0)",
         "np.abs(e) >= 0",
         "motion/test_start.py -k as_a_whole",
         slow=True,
@@ -3274,7 +3274,7 @@ FAULTS = [
     ),
     Fault(
         "linear/traced_poles.py",
-        "np.sum(np.abs(poles - s) <= ONE_REPEATED_POLE * np.abs(s)) > 1",
+        "np.sum(np.abs(poles - s) <= REPEATED_EIGENVALUE * np.abs(s)) > 1",
         "False",
         "linear/test_traced_poles.py -k repeated",
     ),
@@ -4035,8 +4035,8 @@ FAULTS = [
     ),
     Fault(
         "control/feedback.py",
-        "c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE_TERM",
-        "c = jnp.where(massive | (jnp.abs(c) >= 0 * NEGLIGIBLE_TERM",
+        "c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE",
+        "c = jnp.where(massive | (jnp.abs(c) >= 0 * NEGLIGIBLE",
         "control/test_noise.py -k motions_without_mass",
     ),
     Fault(
@@ -4401,7 +4401,7 @@ FAULTS = [
     ),
     Fault("motion/kinks.py", "bend > KINK_OVER_SLOPE * steep", "bend > 0 * steep", "motion/test_kinks.py -k smoothly"),
     Fault("motion/kinks.py", "bend > KINK_OVER_USUAL * usual", "bend > 0 * usual", "motion/test_kinks.py -k smoothly"),
-    Fault("motion/kinks.py", "steep > CHANGE_OF_FORCE *", "steep > 0 *", "motion/test_kinks.py -k smoothly"),
+    Fault("motion/kinks.py", "steep > NEGLIGIBLE *", "steep > 0 *", "motion/test_kinks.py -k smoothly"),
     Fault("linear/spectrum.py", "    if np.any(c):", "    if False:", "paths/test_path.py -k takes_stability"),
     Fault(
         "linear/sparse_poles.py",
@@ -4876,7 +4876,7 @@ FAULTS = [
     Fault("spacar/write.py", "and name in self.warmed ", "", "spacar/test_read.py -k expansion"),
     Fault(
         "design/judgement.py",
-        "if sizes[i] > EQUAL_OVER_STROKE * max(1.0, np.max(sizes)):",
+        "if sizes[i] > NEGLIGIBLE * max(1.0, np.max(sizes)):",
         "if True:",
         "design/test_verdict.py -k say_what_moves_it",
         slow=True,

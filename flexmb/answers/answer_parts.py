@@ -15,7 +15,7 @@ from ..linear.spectrum import without_growth
 from ..linear.stress import has_stress, stress
 from ..math.linear import is_positive_definite
 from ..model.model import Entry, Labels
-from ..numerical_limits import LOOSE_FREEDOM
+from ..numerical_limits import NO_STIFFNESS
 
 # Rows and columns on the terminal.
 SHOWN_VALUES = 12
@@ -145,7 +145,7 @@ def loose_warnings(lin: Linearization) -> list[str]:
     return [
         f"Degree of freedom {name} has neither stiffness nor load: nothing holds it."
         for name, c in zip(lin.model.q_labels, coupled, strict=True)
-        if c <= LOOSE_FREEDOM * largest
+        if c <= NO_STIFFNESS * largest
     ]
 
 

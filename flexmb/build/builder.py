@@ -31,7 +31,7 @@ from ..mechanics.deformation import in_undeformed
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of
 from ..model.model import MOTIONS, Model
 from ..model.topology import Role
-from ..numerical_limits import SYMMETRIC_INERTIA
+from ..numerical_limits import TEN_DIGITS
 from .assemble import assemble, stack
 from .calls import records_call
 from .carry import as_in, collect_model, next_carried, note_builder
@@ -415,7 +415,7 @@ class Builder(Description):
         elif shape == (3, 3):
             matrix = as_floats(inertia)
             with nan_if_refused() as marked:
-                if not holds(abs(matrix - matrix.T) <= SYMMETRIC_INERTIA * abs(matrix).max()):
+                if not holds(abs(matrix - matrix.T) <= TEN_DIGITS * abs(matrix).max()):
                     raise ModelError(f"The inertia of node '{node}' must be a symmetric matrix, not {inertia}.")
                 inertia = marked(stack([inertia[i][j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))]))
         elif shape != (6,):

@@ -17,7 +17,7 @@ from ..elements.nodes import ANGLE, ROTATION3, NodeKind
 from ..errors import ModelError
 from ..model.by_name import TURN_OF, TURNS, frame_of, turn_of, turned_by
 from ..model.topology import Role
-from ..numerical_limits import UNIT_NORM_OF_ROTATION
+from ..numerical_limits import TEN_DIGITS
 from .calls import MadeCall, records_call
 from .given import check_closure, nonempty_arguments, number_in, number_in_element, numbers_freed
 
@@ -234,7 +234,7 @@ class Description:
             )
         check_numbers(f"Node '{name}'", start, fault=ModelError)
         norm = np.linalg.norm(np.asarray(start, float)) if kind is ROTATION3 and is_concrete(start) else 1.0
-        if abs(norm - 1) > UNIT_NORM_OF_ROTATION:
+        if abs(norm - 1) > TEN_DIGITS:
             raise ModelError(
                 f"Euler parameters of node '{name}' must have norm 1, but {short_repr(tuple(start))} have {norm:.6g}."
             )

@@ -17,7 +17,7 @@ from ..mechanics.deformation import undeformed
 from ..mechanics.signals import along_coordinates, combined, terms_of
 from ..model.model import Entry, Model, Signal, as_known_model
 from ..model.topology import coordinate_scales
-from ..numerical_limits import LOCKED_INPUT, NOT_VANISHING, SAME_SHARE, SMALLEST_SHARE
+from ..numerical_limits import LARGEST_ALIKE, NEGLIGIBLE, SMALLEST_SHARE
 from .releases import Release, one_by_one, proposals
 
 # Distance along motions at which a mechanism is checked for locked inputs [extents, rad].
@@ -140,7 +140,7 @@ class Mobility(Result):
 
 def shares(vector: np.ndarray, entries: Sequence[Entry]) -> list[Share]:
     """Parts of a motion or a self-stress, whose largest is 1, the largest first, without small ones."""
-    order = np.argsort(-np.round(np.abs(vector) / SAME_SHARE), kind="stable")
+    order = np.argsort(-np.round(np.abs(vector) / LARGEST_ALIKE), kind="stable")
     indices = [i for i in order if abs(vector[i]) > SMALLEST_SHARE and entries[i].kind != "norm"]
     return [Share(entries[i].of, entries[i].component, entries[i].symbol, float(vector[i])) for i in indices]
 
@@ -174,7 +174,7 @@ def _unit(columns: np.ndarray) -> np.ndarray:
     if not columns.size:
         return columns
     sizes = np.abs(columns)
-    first = np.argmax(sizes > (1 - SAME_SHARE) * sizes.max(axis=0), axis=0)
+    first = np.argmax(sizes > (1 - LARGEST_ALIKE) * sizes.max(axis=0), axis=0)
     return columns / columns[first, np.arange(columns.shape[1])]
 
 
@@ -204,7 +204,7 @@ def _check_undeformed(model: Model, e: np.ndarray, sizes: np.ndarray) -> None:
             raise ModelError(
                 f"{subject}: in the undeformed mechanism {part} not finite. Rewrite it so that it is finite."
             )
-        if abs(value) > NOT_VANISHING * size:
+        if abs(value) > NEGLIGIBLE * size:
             raise ModelError(
                 f"{subject} is {value:.6g} but must be zero in the undeformed mechanism, which is its argument `ref`."
             )
@@ -242,9 +242,7 @@ def locked_inputs(model: Model) -> list[Signal]:
     for variant in (model, dataclasses.replace(model, parameters=parameters)):
         motions, _ = allowed_motions(variant)
         constraint_set, x = constraints(variant), np.asarray(variant.parameters.reference)
-        locked = [
-            s for s in locked if np.linalg.norm(motions.T @ _acting(variant, s, constraint_set, x)) <= LOCKED_INPUT
-        ]
+        locked = [s for s in locked if np.linalg.norm(motions.T @ _acting(variant, s, constraint_set, x)) <= NEGLIGIBLE]
     return locked
 
 

@@ -12,7 +12,7 @@ from ..math.subspace import dense, null_spaces
 from ..mechanics.deformation import host_deformations
 from ..model.by_name import FRAME_OF, TURN_OF, TURNS, tilted_by, turned_by
 from ..model.model import Entry, Model
-from ..numerical_limits import CLOSED_LOOP, SAME_RANGE, SELF_STRESS, TAKES_NO_PART
+from ..numerical_limits import CLOSED_LOOP, LARGEST_ALIKE, SELF_STRESS, TAKES_NO_PART
 
 # Steps of the motion to either side, and their largest size [extents, rad]: together half a turn.
 STEPS, STEP = 20, 0.2
@@ -258,7 +258,7 @@ def _place(model: Model, motion: _Motion, gap: float | None) -> str:
     if not indices:
         indices = [i for i, entry in enumerate(model.labels.x) if entry.kind == "position" or entry.symbol == "phi"]
     # Among equals the first: a rounding difference must not decide.
-    most = next(i for i in indices if ranges[i] > (1 - SAME_RANGE) * max(ranges[indices]))
+    most = next(i for i in indices if ranges[i] > (1 - LARGEST_ALIKE) * max(ranges[indices]))
     value = np.interp(gap, np.arange(len(motion.values)), motion.values[:, most])
     # Between two states it is known to a thousandth of the way.
     return f"{entries[most]} = {np.round(value / ranges[most], 3) * ranges[most]:.3g}"

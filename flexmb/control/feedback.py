@@ -12,7 +12,7 @@ from ..arguments import as_reals, is_concrete, numbers, short_repr
 from ..compilation.compile import jit
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import factorise, pencil
-from ..numerical_limits import BOUNDED_ROUND_OFF, MASSLESS_SHARE, NEGLIGIBLE_TERM
+from ..numerical_limits import BOUNDED_ROUND_OFF, MASSLESS_SHARE, NEGLIGIBLE
 from .frequency_response import place_of_name
 from .second_order_form import SecondOrder
 
@@ -51,8 +51,8 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     d = jnp.stack(system[9:12])
     # Smaller effects on motions without mass are round-off: the squares of all effects add up to the flexibility at
     # rest.
-    b = jnp.where(massive[:, None] | (jnp.abs(b) > NEGLIGIBLE_TERM * jnp.linalg.norm(b, axis=1, keepdims=True)), b, 0.0)
-    c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE_TERM * jnp.linalg.norm(c, axis=2, keepdims=True)), c, 0.0)
+    b = jnp.where(massive[:, None] | (jnp.abs(b) > NEGLIGIBLE * jnp.linalg.norm(b, axis=1, keepdims=True)), b, 0.0)
+    c = jnp.where(massive | (jnp.abs(c) > NEGLIGIBLE * jnp.linalg.norm(c, axis=2, keepdims=True)), c, 0.0)
     if any(orders):
         size = jnp.abs(basis)
         parts, by_p, by_q = (jnp.abs(jnp.stack(some)) for some in (system[2::-1], system[3:6], system[6:9]))
@@ -91,8 +91,8 @@ def energy_form(system: SecondOrder, orders: tuple[int, ...]) -> EnergyForm:
     passed, sizes = sum(terms), sum(jnp.abs(term) for term in terms[:-1]) + noted
     rates = velocity @ moved + acceleration @ jump + d[1], acceleration @ moved + d[2]
     allowed = jnp.abs(velocity) @ jnp.abs(moved) + jnp.abs(acceleration) @ (jnp.abs(jump) + jnp.abs(moved)) + noted
-    rough = adrift | jnp.any(jnp.abs(jnp.stack(rates)) > NEGLIGIBLE_TERM * allowed, axis=0)
-    passed = jnp.where(jnp.abs(passed) > NEGLIGIBLE_TERM * sizes, passed, 0.0)
+    rough = adrift | jnp.any(jnp.abs(jnp.stack(rates)) > NEGLIGIBLE * allowed, axis=0)
+    passed = jnp.where(jnp.abs(passed) > NEGLIGIBLE * sizes, passed, 0.0)
     return EnergyForm(jnp.concatenate([upper, lower]), jnp.concatenate([jump, driven]), sensed, passed, rough)
 
 
@@ -122,7 +122,7 @@ def _beyond_rest_motion(
     unsure = by_parts[0] @ size + by_inputs[0]
 
     def beyond_round_off(total: Array, moved: Array, terms: Array, beside: Array):
-        allowed = NEGLIGIBLE_TERM * (jnp.abs(moved) @ size + jnp.abs(beside))
+        allowed = NEGLIGIBLE * (jnp.abs(moved) @ size + jnp.abs(beside))
         return jnp.where(jnp.abs(total) > allowed + BOUNDED_ROUND_OFF * (terms + jnp.abs(moved) @ unsure), total, 0.0)
 
     moved = jnp.stack(parts)

@@ -21,9 +21,9 @@ from ..math.linear import diagonal_of, pencil, unit_scale
 from ..numerical_limits import (
     COUPLED_BY_ROUND_OFF,
     COUPLED_MODES,
-    NO_PART_OF_MODE,
     RESONANCE_HIT,
     RESONANT_SOLUTION,
+    ROUND_OFF,
     SAME_MODE,
     TURN_OF_MODES,
 )
@@ -231,7 +231,7 @@ def _sum_over_modes(
     flat = jnp.stack(shares).reshape(5, n, n_y * n_u)
     responses = jnp.sum(_powers(w, 5)[:, :, None] * (gains @ flat), axis=0)
     sizes = jnp.max(jnp.abs(flat), axis=0)
-    takes_part = sizes > NO_PART_OF_MODE * jnp.max(sizes, axis=0, initial=0.0)
+    takes_part = sizes > ROUND_OFF * jnp.max(sizes, axis=0, initial=0.0)
     unbounded = (hit.astype(float) @ takes_part.astype(float)) > 0
     return jnp.where(unbounded, jnp.inf + 0j, responses).reshape(len(w), n_y, n_u)
 

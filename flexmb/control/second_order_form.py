@@ -35,7 +35,7 @@ from ..mechanics.signals import (
 )
 from ..model.model import Signal
 from ..model.topology import Parameters, Topology
-from ..numerical_limits import IDLE_FORCE, SUM_ROUND_OFF
+from ..numerical_limits import NEGLIGIBLE, ROUND_OFF
 from .held import ConstrainedCoordinate, about_axes, constrained_by, constrained_of, moved_by, seeds, with_constrained
 
 
@@ -267,7 +267,7 @@ def _assembled(
 def _exact(total: Any, size: Any) -> Any:
     """Zero where terms of a size cancel but for round-off; derivatives stay."""
     known = jax.lax.stop_gradient(total)
-    small = abs(known) <= SUM_ROUND_OFF * jax.lax.stop_gradient(size)
+    small = abs(known) <= ROUND_OFF * jax.lax.stop_gradient(size)
     return library_of(small).where(small, total - known, total)
 
 
@@ -419,7 +419,7 @@ def _carries(lin: Linearization, forces: np.ndarray) -> np.ndarray:
         # With a motion without stiffness this is not known.
         return largest > 0
     elastic = matrix_times(elements.stiffness, motions_from_free(elements, moved[:n]), size=n_x)[elements.free]
-    return np.max(np.abs(np.asarray(elastic)), axis=0) > IDLE_FORCE * largest
+    return np.max(np.abs(np.asarray(elastic)), axis=0) > NEGLIGIBLE * largest
 
 
 def _refuse_idle(lin: Linearization, form: LargeSecondOrder) -> None:

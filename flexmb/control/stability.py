@@ -21,9 +21,9 @@ from ..numerical_limits import (
     LEVEL_AT_REST,
     NARROWEST_RESONANCE,
     NEARLY_CROSSING,
+    NEGLIGIBLE,
     POLE_AT_ORIGIN,
-    POLE_ROUND_OFF,
-    SAME_PHASE,
+    ROUND_OFF,
     TWIN_FREQUENCIES,
 )
 from .state_space import to_statespace
@@ -230,7 +230,7 @@ def _poles(loop: Any, period: float | None) -> tuple[np.ndarray, np.ndarray]:
         with np.errstate(divide="ignore"):
             condition = 1 / np.abs(np.sum(np.conj(left) * right, axis=0))
         unsure = UNSURE * np.finfo(float).eps * np.linalg.norm(balanced) * condition
-    uncertainty = np.minimum(unsure, np.full(len(values), POLE_ROUND_OFF * np.max(np.abs(values), initial=0.0)))
+    uncertainty = np.minimum(unsure, np.full(len(values), NEGLIGIBLE * np.max(np.abs(values), initial=0.0)))
     order = np.lexsort((np.abs(np.imag(values)), -np.real(values)))
     return values[order], uncertainty[order]
 
@@ -271,7 +271,7 @@ def _margins(returned: Any, place: int, name: str, sign: int, period: float | No
     for at, real in ends:
         reals, places = np.append(reals, real), np.append(places, at)
     # Values farther from one are round-off of zero or infinity.
-    meaningful = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(POLE_ROUND_OFF))
+    meaningful = (reals < 0) & (np.abs(np.log(np.abs(reals) + 1e-300)) < -np.log(NEGLIGIBLE))
     gain, gain_at = _least(np.abs(np.log(-reals[meaningful])), -1 / reals[meaningful], places[meaningful])
     crossovers = _crossings(lambda rate: _level(opened(rate)), rates, _level(response))
     phases = np.degrees(np.angle(-opened(crossovers)))
@@ -350,7 +350,7 @@ def _sine(response: Any) -> Any:
     """Sine of the phase of a response; zero if it is real but for round-off."""
     with np.errstate(invalid="ignore"):
         sine = np.nan_to_num(np.imag(response) / np.abs(response), nan=1.0)
-    return np.where(np.abs(sine) > SAME_PHASE, sine, 0.0)
+    return np.where(np.abs(sine) > ROUND_OFF, sine, 0.0)
 
 
 def _level(response: Any) -> Any:
@@ -450,5 +450,5 @@ def _zeros(system: Any) -> np.ndarray:
     system_pencil = np.block([[system.A, system.B], [system.C, system.D]])
     quotients: Any = eigvals(system_pencil, np.diag([1.0] * n + [0.0]), homogeneous_eigvals=True)
     above, below = quotients
-    finite = np.abs(below) > POLE_ROUND_OFF * np.abs(above)
+    finite = np.abs(below) > NEGLIGIBLE * np.abs(above)
     return above[finite] / below[finite]

@@ -21,7 +21,7 @@ from ..math.linear_solver import LinearSolver
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..model.topology import coordinate_scales
-from ..numerical_limits import IDLE_INPUT, LOST_DAMPING, RATE_ROUND_OFF
+from ..numerical_limits import LOST_DAMPING, NEGLIGIBLE, ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
 from ..statics.solver_choice import asked_solver
@@ -176,8 +176,8 @@ def _first_order(
     most = size @ jnp.abs(b2)
     most_rate = size @ (jnp.abs(b1) + jnp.abs(damping) @ most)
     largest = jnp.abs(c1) @ most + jnp.abs(c2) @ most_rate + jnp.abs(d1)
-    needs_rate = jnp.abs(c1 @ at_once + c2 @ rates + d1) > RATE_ROUND_OFF * largest
-    needs_second = jnp.abs(c2 @ at_once + d2) > RATE_ROUND_OFF * (jnp.abs(c2) @ most + jnp.abs(d2))
+    needs_rate = jnp.abs(c1 @ at_once + c2 @ rates + d1) > NEGLIGIBLE * largest
+    needs_second = jnp.abs(c2 @ at_once + d2) > NEGLIGIBLE * (jnp.abs(c2) @ most + jnp.abs(d2))
     late = jnp.where(needs_second, 2, jnp.where(needs_rate, 1, 0))
     shifted = jnp.any(at_once != 0, axis=1), jnp.any((rates != 0) | (at_once != 0), axis=1)
     return _Realised(StateMatrices(a[order][:, order], b[order], row[:, order], d), late, shifted)
@@ -400,9 +400,9 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
         # Largest motion of each degree of freedom in extents and radians.
         reach = np.max(np.abs(m.DFx) / sizes[:, None], axis=0, initial=0.0)
         by_p, through = np.stack(state_form[3:6]), np.abs(state_form[9:12])
-        pushes = np.any(np.abs(by_p[0]) > IDLE_INPUT * size * reach[:, None], axis=0)
+        pushes = np.any(np.abs(by_p[0]) > ROUND_OFF * size * reach[:, None], axis=0)
         acts = np.where(whole.moves, np.any(by_p, axis=(0, 1)), pushes)
-        idle &= ~np.any(through > IDLE_INPUT * np.maximum(1.0, size), axis=(0, 1))
+        idle &= ~np.any(through > ROUND_OFF * np.maximum(1.0, size), axis=(0, 1))
         for i in np.flatnonzero(idle & acts):
             idle[i] = not whole.moves[i] and _drives_only_unseen(m, state_form, i, condensed)
     if np.any(idle):
@@ -422,11 +422,11 @@ def _drives_only_unseen(m: Matrices, form: SecondOrder, i: int, condensed: tuple
     direct = response_without_mass(m.M0, m.K, condensed, force, np.linalg.solve)
     unbalanced = (
         np.abs(force - m.K @ direct)[kept_indices]
-        > IDLE_INPUT * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept_indices]
+        > ROUND_OFF * (np.abs(force) + np.abs(m.K) @ np.abs(direct))[kept_indices]
     )
     if np.any(unbalanced):
         return False
-    return not np.any(np.abs(form.C0 @ direct) > IDLE_INPUT * (np.abs(form.C0) @ np.abs(direct)))
+    return not np.any(np.abs(form.C0 @ direct) > ROUND_OFF * (np.abs(form.C0) @ np.abs(direct)))
 
 
 @unguarded

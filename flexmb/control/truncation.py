@@ -16,7 +16,7 @@ from ..linear.spectrum import shift_to_definite, spectrum, to_frequency
 from ..math.by_deformations import motions_from_free
 from ..math.element_matrices import matrix_times, quadratic_form
 from ..math.linear import factorise
-from ..numerical_limits import IDLE_RESPONSE, STILL_MODE, TRUNCATION_ERROR
+from ..numerical_limits import FREE_POLE, NEGLIGIBLE, TRUNCATION_ERROR
 from .harmonic import solutions
 from .second_order_form import LargeSecondOrder, SecondOrder, large_second_order
 
@@ -74,7 +74,7 @@ def _below(bandwidth: Any, most: int, lowest_of: Callable[[int], tuple[Any, Any]
 
 def _refuse_left_out(kept_modes: tuple[int, ...], hertz: Float[np.ndarray, "modes"]) -> None:
     """Refuse to leave out a mode that does not vibrate, by ascending frequencies."""
-    out = [i for i in range(len(hertz)) if i not in kept_modes and hertz[i] <= STILL_MODE * hertz[-1]]
+    out = [i for i in range(len(hertz)) if i not in kept_modes and hertz[i] <= FREE_POLE * hertz[-1]]
     if out:
         raise ValueError(
             f"Mode {out[0] + 1} does not vibrate ({hertz[out[0]]:.3g} Hz) and cannot follow statically. Keep it, as"
@@ -212,9 +212,9 @@ def _band(
 ) -> tuple[float, np.ndarray]:
     """End of a band [Hz], and frequencies over two decades below it and beside each mode, none at a resonance."""
     end = float(np.max(hertz[list(kept_modes)])) if bandwidth is None else bandwidth
-    if end <= 0 or end <= STILL_MODE * hertz[-1]:
+    if end <= 0 or end <= FREE_POLE * hertz[-1]:
         # All kept modes have no stiffness: the band ends well below vibrations.
-        vibrates = hertz[(hertz > 0) & (hertz > STILL_MODE * hertz[-1])]
+        vibrates = hertz[(hertz > 0) & (hertz > FREE_POLE * hertz[-1])]
         end = float(np.min(vibrates)) / 10 if len(vibrates) else 1.0
     beside_modes = np.outer(hertz, beside).ravel()
     grid = np.unique(
@@ -253,7 +253,7 @@ def error_of(
         right.append(rows @ moved + through)
         truncated_responses.append(c @ np.linalg.solve(s * np.eye(len(a)) - a, b) + d)
         sizes = np.abs(np.sum(rows.T * sensed, axis=0)), np.abs(np.sum(forces * moved, axis=0))
-        least = np.maximum(least, IDLE_RESPONSE * np.sqrt(np.outer(*sizes)))
+        least = np.maximum(least, NEGLIGIBLE * np.sqrt(np.outer(*sizes)))
     right = np.array(right)
     difference = np.abs(np.array(truncated_responses) - right)
     size, same_octave = np.abs(right), np.abs(np.log2(grid[:, None] / grid)) <= 0.5

@@ -9,7 +9,7 @@ from ..checks.mobility import Mobility
 from ..display import Column, Labelled, Quantities, States, Summary, listed, quantity_text, short
 from ..linear.stress import Location
 from ..model.model import Model
-from ..numerical_limits import EQUAL_OVER_STROKE, STRAIGHT_MOTION
+from ..numerical_limits import NEGLIGIBLE
 from .sensitivities import Sensitivities
 
 # Beginnings of the subjects that an assessment needs to be complete.
@@ -217,13 +217,13 @@ def most(values: np.ndarray) -> int:
     """Return the index of the largest of n numbers, the last index of numbers that are equal within round-off."""
     known = np.where(np.isnan(values), -np.inf, values)
     top = np.max(known)
-    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * EQUAL_OVER_STROKE))[-1])
+    return int(np.flatnonzero(known >= top * (1 - np.sign(top) * NEGLIGIBLE))[-1])
 
 
 def _parasitic(page: Verdict, name: str, rest_index: int) -> str:
     """Return the parasitic motion of the node along or about an axis; empty for no motion."""
     i = most(np.abs(page.curves[name]))
-    if abs(page.curves[name][i]) <= STRAIGHT_MOTION * np.max(np.abs(page.stroke)):
+    if abs(page.curves[name][i]) <= NEGLIGIBLE * np.max(np.abs(page.stroke)):
         return ""
     return f"{name.split()[-1]} {page.measured(name, i)} {page.where(i)}"
 
@@ -288,7 +288,7 @@ def _by_dimension(page: Verdict) -> str:
     sign = 1 if first.upper is None else -1
     advice, sizes = [], np.abs(np.nan_to_num(row))
     for i in np.argsort(-sizes):
-        if sizes[i] > EQUAL_OVER_STROKE * max(1.0, np.max(sizes)):
+        if sizes[i] > NEGLIGIBLE * max(1.0, np.max(sizes)):
             advice.append(
                 f"{'larger' if row[i] * sign > 0 else 'smaller'} {sensitivities.dimensions[i]} ({row[i]:+.3g})"
             )

@@ -17,7 +17,7 @@ from ..errors import AnalysisError, ModelError, printable, warn
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
 from ..model.model import Model
-from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MISSING_RESPONSE, NO_MOTION, SAME_DIRECTIONS
+from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MOTION, ROUND_OFF, SAME_DIRECTIONS
 from ..questions.question import asked
 from .designs import float_array
 from .leanness import Deviation, Response, check_question, deviation, in_band, largest_deviation, response
@@ -139,7 +139,7 @@ def _kept_motions(
             size = np.einsum("ij,ij->j", missing, state.K @ missing)
             total = np.einsum("ij,ij->j", candidates, state.K @ candidates)
             share = size / np.where(total > 0, total, 1.0) if size.size else np.zeros(0)
-            if not share.size or np.max(share) < NO_MISSING_RESPONSE:
+            if not share.size or np.max(share) < ROUND_OFF:
                 break
             most = int(np.argmax(share))
             z = np.column_stack([z, missing[:, most] / np.sqrt(size[most])])

@@ -10,7 +10,7 @@ import numpy as np
 from ..arguments import WholeFromZero, check_by_name, check_whole, checked
 from ..display import Column, Labelled, Quantities, Summary, counted, largest, listed, short
 from ..errors import warn
-from ..numerical_limits import NOT_LINEAR, ZERO_SECOND_ORDER
+from ..numerical_limits import NEGLIGIBLE, NOT_LINEAR
 from ..results import ANSWERED
 from .designs import MOST, float_array
 from .evaluate import Answers, Build, Layout, layout_of
@@ -272,7 +272,7 @@ def _warn_of_curvature(
         if errors:
             added = np.maximum(added, np.maximum(np.abs(np.mean(errors, axis=0)), np.std(errors, axis=0)))
     deviations = np.sqrt(np.sum(linear**2, axis=1))
-    limit = np.maximum(NOT_LINEAR * deviations, ZERO_SECOND_ORDER * np.abs(sensitivities.values))
+    limit = np.maximum(NOT_LINEAR * deviations, NEGLIGIBLE * np.abs(sensitivities.values))
     wrong = np.flatnonzero(~(added <= limit))
     if len(wrong):
         names = [

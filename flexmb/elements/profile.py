@@ -14,7 +14,7 @@ from ..compilation.compile import jit
 from ..compilation.program import Captured, captured
 from ..errors import ModelError
 from ..math.quadrature import gauss, lobatto
-from ..numerical_limits import PLACE_OF_BREAK, SAME_DAMPING, SMOOTH_COMPLIANCE, SMOOTH_MASS
+from ..numerical_limits import ROUND_OFF, SMOOTH_COMPLIANCE, SMOOTH_MASS, TEN_DIGITS
 from .section import MaterialDamping, Rigidity, Scalar, Section
 
 # Places in each piece at which a profile is checked for faults.
@@ -113,7 +113,7 @@ class Profile(Section):
         if not self.states("damping"):
             return None
         times = jax.vmap(lambda place: jnp.asarray(self.at(place, 1.0).stated("damping"), float))(PLACES)
-        if is_concrete(times) and np.ptp(np.asarray(times)) > SAME_DAMPING * np.max(np.asarray(times)):
+        if is_concrete(times) and np.ptp(np.asarray(times)) > ROUND_OFF * np.max(np.asarray(times)):
             raise ModelError(
                 "The damping of the material varies along the section of a beam. Give a material whose damping is the"
                 " same everywhere, or give the beam a damping of its own."
@@ -169,7 +169,7 @@ class Profile(Section):
         """
         if not is_concrete((self, length)):
             breaks = jax.vmap(lambda own, length: jnp.stack([0.0, *own.breaks_at(length), 1.0]))(*self._stacked(length))
-            holds(jnp.diff(breaks, axis=1) > -PLACE_OF_BREAK)
+            holds(jnp.diff(breaks, axis=1) > -TEN_DIGITS)
             return self.sections_along(length).faults()
         lengths = np.asarray(length, float)
         first = jax.tree.map(lambda leaf: np.reshape(leaf, (-1, *np.shape(leaf)[lengths.ndim :]))[0], self)
@@ -180,8 +180,7 @@ class Profile(Section):
         along_beam = self.along(length, count)
         breaks = along_beam.breaks
         if not (
-            np.all((breaks > -PLACE_OF_BREAK) & (breaks < 1 + PLACE_OF_BREAK))
-            and np.all(np.diff(breaks, axis=1) > -PLACE_OF_BREAK)
+            np.all((breaks > -TEN_DIGITS) & (breaks < 1 + TEN_DIGITS)) and np.all(np.diff(breaks, axis=1) > -TEN_DIGITS)
         ):
             wrong = ", ".join(f"{b:.6g}" for b in breaks[0])
             return [f"has a section with breaks at {wrong}, but they must lie between 0 and 1, in order"]
@@ -280,7 +279,7 @@ def _sampled(stacked: Profile, lengths: Float[Array, "n"], fewer: tuple[Array, A
     fine = ((np.arange(PARTS)[:, None] + fine) / PARTS).ravel()
     # Lobatto nodes move slightly inside the pieces, since adjacent pieces share their ends.
     ends, at_ends = lobatto(FEWEST)
-    within = np.clip(ends, PLACE_OF_BREAK, 1 - PLACE_OF_BREAK)
+    within = np.clip(ends, TEN_DIGITS, 1 - TEN_DIGITS)
     rules = (fine, np.tile(shares, PARTS) / PARTS), gauss(NODES), fewer, (within, at_ends)
     # One call of the function for the nodes of all rules keeps the program small.
     nodes = jnp.concatenate([*(nodes for nodes, _ in rules), PLACES])

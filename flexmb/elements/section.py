@@ -16,7 +16,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_known, holds, library_of
 from ..compilation.record import Record
 from ..errors import ModelError
-from ..numerical_limits import ABOVE_LARGEST_POISSON
+from ..numerical_limits import TEN_DIGITS
 from . import surface
 from .surface import Scalar as Scalar
 
@@ -274,7 +274,7 @@ def _faults_of_material(material: Material) -> list[str]:
     if nu is None and material.G is None:
         return [*faults, WITHOUT_SHEAR_MODULUS]
     ratio = as_known(material.E) / (2 * as_known(material.shear_modulus())) - 1
-    if nu is None and not holds(ratio <= 0.5 + ABOVE_LARGEST_POISSON):
+    if nu is None and not holds(ratio <= 0.5 + TEN_DIGITS):
         faults.append(f"nu = {np.max(ratio):.4g} by E and G, but it must be below 0.5: G is at least E/3, or give nu")
     fatigue, strength = as_known(material.fatigue), as_known(material.strength)
     if fatigue is not None and strength is not None and not holds(fatigue <= strength):

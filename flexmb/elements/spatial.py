@@ -23,7 +23,7 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds, library_of
 from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
-from ..numerical_limits import PRINCIPAL_MOMENTS
+from ..numerical_limits import NEGLIGIBLE
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .beams import characteristic
 from .element import Element
@@ -531,7 +531,7 @@ def _check_body(*, ref: Reference, mass: float, inertia: Float[Array, "6"]) -> l
         return faults
     moments = xp.linalg.eigvalsh(tensor[..., TENSOR])
     # A needle has one zero moment and two equal ones; in a plate one moment is the sum of the others.
-    slack = PRINCIPAL_MOMENTS * moments[..., 2]
+    slack = NEGLIGIBLE * moments[..., 2]
     if not holds((moments[..., 0] >= -slack) & (moments[..., 0] + moments[..., 1] >= moments[..., 2] - slack)):
         listed = ", ".join(f"{moment:.6g}" for moment in moments.reshape(-1, 3)[0])
         faults.append(

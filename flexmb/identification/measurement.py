@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 
 from ..design.designs import float_array
 from ..errors import printable
-from ..numerical_limits import MISTAKEN_UNIT, SYMMETRIC_COVARIANCE
+from ..numerical_limits import MISTAKEN_UNIT, TEN_DIGITS
 from ..questions.question import asked
 
 
@@ -187,7 +187,7 @@ def _scatter(subject: str, count: int, deviation: Any, covariance: Any) -> np.nd
             raise ValueError(
                 f"{subject} has {count} values and a covariance of shape {matrix.shape}: give one of {count, count}."
             )
-        if not np.allclose(matrix, matrix.T, rtol=0, atol=SYMMETRIC_COVARIANCE * np.max(np.abs(matrix))):
+        if not np.allclose(matrix, matrix.T, rtol=0, atol=TEN_DIGITS * np.max(np.abs(matrix))):
             raise ValueError(f"{subject} has a covariance that is not symmetric.")
         try:
             return np.linalg.cholesky(matrix)

@@ -20,7 +20,7 @@ from ..mechanics.inertia import mass_matrix
 from ..mechanics.stress_resultants import known_stiffness_pieces
 from ..model.model import Model
 from ..model.topology import coordinate_scales
-from ..numerical_limits import FREE_STIFFNESS, NO_MASS, PART_IN_MOTION, SEMIDEFINITE
+from ..numerical_limits import FREE_STIFFNESS, NEGLIGIBLE, NO_MASS, SEMIDEFINITE
 from ..results import RESULTS
 from .linearize import Linearization, Matrices
 from .spectrum import masses_of_motions
@@ -56,7 +56,7 @@ def free_motions(m: Matrices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def takes_part(rows: np.ndarray, free: np.ndarray) -> np.ndarray:
     """Whether directions, (k, n_q), take part in any of some motions, (k,)."""
-    return np.any(np.abs(rows @ free) > PART_IN_MOTION * (np.abs(rows) @ np.abs(free)), axis=1)
+    return np.any(np.abs(rows @ free) > NEGLIGIBLE * (np.abs(rows) @ np.abs(free)), axis=1)
 
 
 def negative_mass(lin: Linearization) -> str:

@@ -28,7 +28,7 @@ from ..mechanics.loads import LoadFactors, scaled_loads
 from ..mechanics.prepared import kernel
 from ..model.model import Model
 from ..model.topology import Parameters, Topology
-from ..numerical_limits import COUNTED_BEFORE_LAST, NEGATIVE_STIFFNESS, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
+from ..numerical_limits import COUNTED_BEFORE_LAST, NEGLIGIBLE, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
 from ..statics.newton_search import prescribed_values
 from ..statics.solver_choice import refuse_all
@@ -110,7 +110,7 @@ def _refuse_negative(elastic: BlockMatrices) -> None:
     """Raise for an element of negative stiffness, which the inner product of the method excludes."""
     for *_, matrices in elastic:
         values = np.linalg.eigvalsh(matrices)
-        if np.any(values[:, 0] < -NEGATIVE_STIFFNESS * np.abs(values[:, -1])):
+        if np.any(values[:, 0] < -NEGLIGIBLE * np.abs(values[:, -1])):
             raise ModelError(
                 "An element has a negative stiffness. Load multipliers by sparse factors do not allow this. Give"
                 " sparse=False and a model with degrees of freedom."

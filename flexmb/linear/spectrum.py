@@ -36,7 +36,7 @@ from ..numerical_limits import (
     NEXT_SHIFT,
     REAL_VALUE,
     REGULAR_STIFFNESS,
-    ROUND_OFF_OF_POLES,
+    ROUND_OFF,
     SIZES_APART,
     SURE_EIGENVALUE,
     TOLD_BESIDE_SHIFT,
@@ -382,4 +382,4 @@ def without_growth(k: np.ndarray, c: np.ndarray, m: np.ndarray) -> bool:
 def any_grows(poles: Any, share: float = GROWING_POLE) -> bool:
     """Whether some pole has a real part above a share of its size, and is no round-off beside the largest."""
     sizes = np.abs(poles)
-    return bool(np.any((np.real(poles) > share * sizes) & (sizes > ROUND_OFF_OF_POLES * np.max(sizes, initial=0.0))))
+    return bool(np.any((np.real(poles) > share * sizes) & (sizes > ROUND_OFF * np.max(sizes, initial=0.0))))

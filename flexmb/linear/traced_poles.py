@@ -18,7 +18,7 @@ from ..numerical_limits import (
     BESIDE_POLE,
     FREE_STIFFNESS,
     MEETING_POLES,
-    ONE_REPEATED_POLE,
+    REPEATED_EIGENVALUE,
     SEMIDEFINITE,
     SOLVED_BY_VECTOR,
 )
@@ -129,7 +129,7 @@ def _is_undetermined(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndar
 def _vectors(k: np.ndarray, c: np.ndarray, m: np.ndarray, poles: np.ndarray, number: int) -> tuple[Any, Any]:
     """Left and right vector of a pole; NaN if it has no derivative."""
     value = poles[number]
-    same = np.flatnonzero(np.abs(poles - value) <= ONE_REPEATED_POLE * np.abs(value))
+    same = np.flatnonzero(np.abs(poles - value) <= REPEATED_EIGENVALUE * np.abs(value))
     middle, many = np.mean(poles[same]), len(same)
     # Scale degrees of freedom so that their equations are of one size.
     size = np.abs(middle) ** 2 * np.abs(np.diag(m)) + np.abs(middle) * np.abs(np.diag(c)) + np.abs(np.diag(k))
@@ -193,7 +193,7 @@ def _motions(assembled: AssembledEquations, poles: np.ndarray, number: int) -> t
     rows, change = sum(assembled.elements.unknowns), 2 * s * assembled.mass + assembled.damping
     factors = assembled.factors(assembled.at_frequency(shifted))
     nothing = np.full(rows, NOTHING), np.full(rows, NOTHING)
-    if not factors.regular or np.sum(np.abs(poles - s) <= ONE_REPEATED_POLE * np.abs(s)) > 1:
+    if not factors.regular or np.sum(np.abs(poles - s) <= REPEATED_EIGENVALUE * np.abs(s)) > 1:
         return nothing
     pair = []
     for transposed in (True, False):

@@ -18,7 +18,7 @@ from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, 
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
-from ..numerical_limits import DRIVEN_START, WHOLE_STEPS
+from ..numerical_limits import DRIVEN_START, SAME_TIME
 from ..progress import reporting
 from ..results import RESULTS
 from .balance import Before
@@ -325,10 +325,10 @@ integrate_sampled = _either(_integrated_sampled, _derived_sampled)
 
 def sampled_intervals(times: np.ndarray, period: float, start: float, end: float) -> Intervals:
     """Intervals of a sampled controller from `start` to `end`, and the times in each; a sample begins its interval."""
-    count = max(int(np.ceil((end - start) / period - WHOLE_STEPS)), 1)
+    count = max(int(np.ceil((end - start) / period - SAME_TIME)), 1)
     starts = start + period * np.arange(count)
     ends = np.append(starts[1:], end)
-    interval = np.clip(np.searchsorted(starts, times + WHOLE_STEPS * period, side="right") - 1, 0, count - 1)
+    interval = np.clip(np.searchsorted(starts, times + SAME_TIME * period, side="right") - 1, 0, count - 1)
     place = np.arange(len(times)) - np.searchsorted(interval, interval)
     rows = np.repeat(ends[:, None], np.max(place) + 2, axis=1)
     rows[interval, place] = np.clip(times, starts[interval], ends[interval])
@@ -339,7 +339,7 @@ def _bounds(times: np.ndarray, feedback: Feedback | Sampled | None, dt0: float) 
     """Ends of the parts, at whole samples or whole steps."""
     span = times[-1] - times[0]
     unit = feedback.period if isinstance(feedback, Sampled) else dt0 if dt0 > 0 else span / PARTS
-    units = max(int(np.ceil(span / unit - WHOLE_STEPS)), 1)
+    units = max(int(np.ceil(span / unit - SAME_TIME)), 1)
     least = -(-units // PARTS)
     # Parts of one size are compiled once: prefer a size without a shorter part at the end.
     size = next((n for n in range(least, 2 * least + 1) if units % n == 0), least)

@@ -19,10 +19,10 @@ from ..compilation.record import Record, static
 from ..elements.element import NONLINEAR
 from ..mechanics.stress_resultants import is_nonlinear, nonlinear_stress, strain_of
 from ..numerical_limits import (
-    CHANGE_OF_FORCE,
     JUMP_AT_KINK,
     KINK_OVER_SLOPE,
     KINK_OVER_USUAL,
+    NEGLIGIBLE,
     SHORTEST_STEP,
     STEP_AT_KINK,
     TIME_ROUND_OFF,
@@ -208,5 +208,5 @@ def _is_kinked(values: Float[Array, "places k"], steep: Float[Array, "k"]) -> Bo
     second = jnp.abs(jnp.diff(values, 2, axis=0))
     # A kink between two places changes the second differences at both.
     bend, usual = jnp.max(second[1:] + second[:-1], axis=0), jnp.median(second, axis=0)
-    changes = steep > CHANGE_OF_FORCE * jnp.max(jnp.abs(values), axis=0)
+    changes = steep > NEGLIGIBLE * jnp.max(jnp.abs(values), axis=0)
     return changes & (bend > KINK_OVER_SLOPE * steep) & (bend > KINK_OVER_USUAL * usual)

@@ -10,7 +10,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Bool, Float, Int
 
-from ..numerical_limits import SHORTEST_TIME_STEP, WHOLE_STEPS
+from ..numerical_limits import SAME_TIME, SHORTEST_TIME_STEP
 from ..results import RESULTS
 from .balance import Balance, Before, elastic_energy, is_seen
 from .chain_form import ChainForm
@@ -169,4 +169,4 @@ def _first_step(integrator: Integrator, fast: Float[Array, ""], span: Float[Arra
         return first
     # Round-off must not add a step to a whole number of equal steps.
     steps = jnp.round(span / first)
-    return jnp.where(jnp.abs(span / first - steps) < WHOLE_STEPS * steps, span / steps, first)
+    return jnp.where(jnp.abs(span / first - steps) < SAME_TIME * steps, span / steps, first)

@@ -13,7 +13,7 @@ from ..mechanics.deformation import zero_strain
 from ..mechanics.loads import lacks_potential
 from ..mechanics.residual import State, state
 from ..model.topology import Parameters, Topology
-from ..numerical_limits import LARGEST_ALIKE, NO_FLEXIBILITY, SOFT_SIGN
+from ..numerical_limits import FREE_STIFFNESS, LARGEST_ALIKE, SOFT_SIGN
 from ..results import RESULTS
 from ..statics.solve import solve_state
 from .stepper import (
@@ -132,7 +132,7 @@ def begin_path(topology: Topology, parameters: Parameters) -> tuple[Point, Direc
     onto, by_load = load_response(topology, parameters, at)
     tangent = tangent_at(at, onto, by_load, Plane(jnp.zeros(topology.n_x), jnp.array(1.0)))
     # A hanging body has no stiffness without stress: motions without stiffness do not move at first.
-    dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=NO_FLEXIBILITY) @ by_load
+    dq = -jnp.linalg.pinv(at.K0 + at.G0, rtol=FREE_STIFFNESS) @ by_load
     resting = direction_of(at, onto + at.transfer.DFx @ dq, jnp.array(1.0))
     finite = jnp.all(jnp.isfinite(tangent.x))
     tangent = jax.tree.map(lambda a, b: jnp.where(finite, a, b), tangent, resting)

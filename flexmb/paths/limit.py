@@ -16,7 +16,14 @@ from ..mechanics.prepared import kernel
 from ..mechanics.residual import reduced_response, state
 from ..model.model import Model, as_determined, as_model
 from ..model.topology import Parameters, Topology, coordinate_scales
-from ..numerical_limits import LARGEST_MOTION, NO_LOAD, SETTLED_LIMIT, SHORTEST_PATH_STEP, STATIONARY_LOAD, TURNED_LOAD
+from ..numerical_limits import (
+    LARGEST_MOTION,
+    ROUND_OFF,
+    SETTLED_LIMIT,
+    SHORTEST_PATH_STEP,
+    STATIONARY_LOAD,
+    TURNED_LOAD,
+)
 from ..results import RESULTS
 from ..statics.equilibrium import check_stiffness
 from ..statics.solve import change_of_equations
@@ -154,7 +161,7 @@ def _find_limit(
     # Without a state between, the path jumps.
     passed = jnp.where(jnp.abs(rate) < TURNED_LOAD, RESULTS.successful, RESULTS.not_converged)
     why = jnp.where(before.failed, RESULTS.not_converged, jnp.where(before.passed, passed, RESULTS.max_steps))
-    why = jnp.where(jnp.abs(limit_point.load) < NO_LOAD, RESULTS.singular_stiffness, why)
+    why = jnp.where(jnp.abs(limit_point.load) < ROUND_OFF, RESULTS.singular_stiffness, why)
     result = jnp.where(result == RESULTS.successful, why, result)
     return _Limit(limit_point.load, limit_point, plane, result.astype(jnp.int32))
 

@@ -26,7 +26,7 @@ from ..mechanics.residual import state
 from ..model.by_name import ByName
 from ..model.model import Model, as_determined, as_model
 from ..model.topology import Parameters, Topology, extent_of
-from ..numerical_limits import NO_LOAD, SMALL_IMPERFECTION
+from ..numerical_limits import ROUND_OFF, SMALL_IMPERFECTION
 from ..progress import reporting
 from ..questions.frequency import frequencies_along
 from ..questions.question import Along
@@ -372,7 +372,7 @@ def _follow(walker: Walker, wanted: _Wanted) -> RESULTS:
 def _checked(path: Path | SparsePath, walker: Walker, wanted: _Wanted, throw: bool) -> Path | SparsePath:
     """The path; raise if it did not reach its end, and warn of conditions that were not met."""
     code = RESULTS(int(path.result))
-    if code == RESULTS.max_steps and np.max(np.abs(np.asarray(path.load_factor))) < NO_LOAD:
+    if code == RESULTS.max_steps and np.max(np.abs(np.asarray(path.load_factor))) < ROUND_OFF:
         # A motion whose stiffness is round-off moves without end.
         code = RESULTS.singular_stiffness
     about = _instead_of_switch(path, wanted.asked) if wanted.asked.keys() - wanted.to_switch and code in LOST else ""

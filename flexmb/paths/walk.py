@@ -22,13 +22,13 @@ from ..numerical_limits import (
     NEUTRAL_VALUE,
     NO_STIFFNESS,
     NULL_VECTOR_SHIFT,
+    ROUND_OFF,
     SAME_STATE,
     SHORTEST_PATH_STEP,
     SMALLEST_COSINE,
     VANISHED_VALUE,
     WIDEST_GAP,
     WIDEST_GAP_AT_LEAST,
-    ZERO_ON_STEP,
 )
 from ..results import RESULTS
 from .critical import CriticalPoint, begin_path, critical_values, null_vectors
@@ -422,7 +422,7 @@ class Walker:
         """
         ends = ends or ((0.0, begin), (length, end))
         low, high = (_Trial(place, value(at), at) for place, at in ends)
-        small = ZERO_ON_STEP * max(abs(low.value), abs(high.value))
+        small = ROUND_OFF * max(abs(low.value), abs(high.value))
         least = 2 * float(end.cosine) - 1 - 1e-3
         widest = max(widest * length, WIDEST_GAP_AT_LEAST)
         plane, still = normal_to(self.scale, begin.tangent), jax.tree.map(np.zeros_like, begin.tangent)

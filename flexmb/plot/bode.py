@@ -12,7 +12,7 @@ from ..control.state_space import to_statespace
 from ..display import kind_of
 from ..linear.linearize import Linearization
 from ..model.model import Model
-from ..numerical_limits import PHASE_OF_MINUS_180, POLE_AT_ZERO, SMALLEST_RESPONSE
+from ..numerical_limits import NEGLIGIBLE, PHASE_OF_MINUS_180
 from .canvas import BLUE
 
 # Responses are taken at s = (i + DECAY) omega, so that phases of an undamped mechanism turn at its poles.
@@ -78,7 +78,7 @@ def bode(
             raise ValueError("A Bode plot needs finite responses at two frequencies above zero or more.")
         responses = responses[:, rows][:, :, columns]
         largest = np.max(np.abs(responses), axis=0)
-        moved = largest > SMALLEST_RESPONSE * np.max(largest, axis=0)
+        moved = largest > NEGLIGIBLE * np.max(largest, axis=0)
     else:
         system, farthest = _system(found)
         names = [system.output_labels, system.input_labels]
@@ -147,7 +147,7 @@ def _responses(
 
     responses = at(frequencies)
     largest = np.max(np.abs(responses), axis=0)
-    moved = largest > SMALLEST_RESPONSE * np.max(largest, axis=0)
+    moved = largest > NEGLIGIBLE * np.max(largest, axis=0)
     for _ in range(ROUNDS):
         turns = np.abs(np.angle(responses[1:] * np.conj(responses[:-1]))) * moved
         gaps = np.flatnonzero(np.max(turns, axis=(1, 2), initial=0.0) > TURN)
@@ -220,7 +220,7 @@ def _around_poles(poles: np.ndarray, farthest: float) -> tuple[np.ndarray, int]:
     python-control needs the zeros too, which it does not find for several outputs.
     """
     poles = np.abs(poles[np.imag(poles) >= 0]) / (2 * np.pi)
-    poles = poles[poles > POLE_AT_ZERO * np.max(poles, initial=0.0)]
+    poles = poles[poles > NEGLIGIBLE * np.max(poles, initial=0.0)]
     every = poles if poles.size else np.ones(1)
     poles = every[every <= farthest / 10 * np.min(every)]
     ends = np.log10(np.min(poles)) - 1, np.log10(np.max(poles)) + 1

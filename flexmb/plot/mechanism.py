@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from ..model.model import Model
-from ..numerical_limits import NOT_MOVED
+from ..numerical_limits import ROUND_OFF
 from . import canvas
 from . import marks as marked
 from .canvas import ARROW, BLACK, BLUE, GREEN, RED, arrow, marks, mechanism_lines, write_text
@@ -63,7 +63,7 @@ def mechanism(
     reference = np.asarray(model.parameters.reference)
     ax = canvas.new_axes(model.labels.dimension, ax)
     seen = []
-    moved = not np.allclose(x, reference, rtol=0, atol=NOT_MOVED)
+    moved = not np.allclose(x, reference, rtol=0, atol=ROUND_OFF)
     if moved if ghost is None else ghost:
         still = lines(model, reference)
         mechanism_lines(ax, still, ghost=True)

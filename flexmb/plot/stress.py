@@ -7,7 +7,7 @@ import numpy as np
 from ..display import kind_of
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
-from ..numerical_limits import NOT_MOVED, SAME_PLACE_ON_LINE
+from ..numerical_limits import ROUND_OFF, SAME_PLACE_ON_LINE
 from .canvas import BLACK, faces, frame_points, marks, mechanism_lines, new_axes, polylines, spread_texts, write_text
 from .geometry import PLACES, Line, lines, nodes_of, point_extent, scaled_lines
 from .sections import STRIDE, strips
@@ -61,7 +61,7 @@ def stress(
     if missing := set(found.names) - {line.element for line in drawn}:
         raise ValueError(f"The stress belongs to another model; this model has no element '{min(missing)}'.")
     ax = new_axes(model.labels.dimension, ax)
-    if not np.allclose(x, reference, rtol=0, atol=NOT_MOVED):
+    if not np.allclose(x, reference, rtol=0, atol=ROUND_OFF):
         mechanism_lines(ax, still, ghost=True)
     mechanism_lines(ax, [line for line in drawn if line.element not in found.names])
     rows = {name: row for row, name in enumerate(found.names)}

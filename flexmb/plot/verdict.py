@@ -7,7 +7,7 @@ import numpy as np
 
 from ..design.judgement import Verdict
 from ..display import prefix_of
-from ..numerical_limits import STRAIGHT_MOTION
+from ..numerical_limits import NEGLIGIBLE
 from .canvas import BLACK, GREY, RED, entitle, figure_grid
 
 # Panels: title, first words of the curves' names, and whether they are drawn as share of the value at rest.
@@ -67,7 +67,7 @@ def _curves(assessment: Verdict, names: tuple[str, ...], as_share: bool) -> dict
         finite = np.where(np.isfinite(values), values, np.nan)
         if not name.startswith(names) or np.sum(np.isfinite(finite)) < 2:
             continue
-        straight = STRAIGHT_MOTION * np.max(np.abs(assessment.stroke))
+        straight = NEGLIGIBLE * np.max(np.abs(assessment.stroke))
         if name.startswith("parasitic") and np.nanmax(np.abs(finite)) <= straight:
             continue
         if not as_share:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..errors import ModelError, printable
-from ..numerical_limits import LIGHT_LENGTH_RATIO, LIGHT_PARALLEL, LIGHT_SHORTEST, LIGHT_THIN, SAME_AXIS
+from ..numerical_limits import LIGHT_LENGTH_RATIO, LIGHT_PARALLEL, LIGHT_SHORTEST, LIGHT_THIN, TEN_DIGITS
 from .light_fields import AXES, COUNTS, Script, field_faults, field_value, structures_by_number
 from .lines import LARGEST, SMALLEST, within
 
@@ -199,7 +199,7 @@ def _turns(where: str, turns: dict[str, tuple[str, Any]]) -> Iterator[str]:
             yield f"{where}: {name} must be [angle, ax, ay, az] with an axis that is not zero."
             continue
         unit = value[1:] / np.linalg.norm(value[1:])
-        if known is not None and not np.allclose(unit, known, rtol=0, atol=SAME_AXIS):
+        if known is not None and not np.allclose(unit, known, rtol=0, atol=TEN_DIGITS):
             yield f"{where}: rot and rot_initial turn about two axes; a node has one axis."
         known = unit
 

@@ -24,7 +24,7 @@ from ..errors import ModelError, printable
 from ..files import write_whole
 from ..model.by_name import TURNS
 from ..model.topology import Role
-from ..numerical_limits import SAME_POISSON
+from ..numerical_limits import ROUND_OFF
 from . import outlines, trajectories
 from . import series as series
 from .actions import start_of
@@ -288,7 +288,7 @@ class _Writer:
         extras = [f for f in ("strength", "fatigue", "damping") if getattr(material, f) is not None]
         if material.nu is not None:
             difference = abs(float(material.nu) - float(material.E / (2 * material.shear_modulus()) - 1))
-            extras += ["nu other than E/(2 G) - 1"] if difference > SAME_POISSON else []
+            extras += ["nu other than E/(2 G) - 1"] if difference > ROUND_OFF else []
         extras += ["torsion by an approximation"] if section.torsion != "series" else []
         extras += [] if section.rotary else ["no rotary inertia"]
         numbers = ": SECTION gives width, thickness, E, G, rho and alpha"

@@ -25,7 +25,7 @@ from ..numerical_limits import (
     LONGEST_STROKE,
     MOST_TWIST,
     NEEDLESS_ENERGY,
-    STRAIN_ROUND_OFF,
+    ROUND_OFF,
     STRETCHED_BEAM,
     WIDEST_BENT,
 )
@@ -245,7 +245,7 @@ def warn_of_needless_strain(model: Model, e: Float[np.ndarray, "n_e"], where: st
     """Warn if zero degrees of freedom keep elements from their least strained shape; ``where`` begins the sentence."""
     # Round-off of large turns is no strain.
     extent = np.max(np.asarray(coordinate_scales(model.topology, model.parameters)), initial=0.0)
-    e = np.where(np.abs(e) > STRAIN_ROUND_OFF * max(extent, 1.0), e, 0.0)
+    e = np.where(np.abs(e) > ROUND_OFF * max(extent, 1.0), e, 0.0)
     dof = np.asarray(model.topology.e.dof)
     kept_freedoms = np.concatenate([np.ones(len(model.topology.x.dof), bool), e[dof] != 0])
     needless = None if np.all(kept_freedoms) else needless_strain(model, e, kept_freedoms)

@@ -24,7 +24,7 @@ from ..mechanics.stress_resultants import has_law, is_nonlinear, known_stiffness
 from ..model.by_name import TURN_OF, ByName
 from ..model.model import Labels, Model, as_determined, as_model
 from ..model.topology import Parameters, Topology
-from ..numerical_limits import LOOSE_BY_ROUND_OFF, LOOSE_MOTION
+from ..numerical_limits import LOOSE_BY_ROUND_OFF, NO_STIFFNESS
 from ..results import RESULTS, check, or_nan, outcome_text
 from .coarse import warn_of_coarse
 from .solve import acting_at, solve_state
@@ -242,7 +242,7 @@ def _loose_of_large(model: Model) -> np.ndarray:
         return np.zeros((model.topology.n_x, 0))
     stiffness = assembled.at()[: assembled.n, : assembled.n]
     stiffnesses, resistance = np.abs(stiffness.diagonal()), abs(motion @ stiffness @ motion)
-    least = max(LOOSE_MOTION * np.sum(motion**2 * stiffnesses), LOOSE_BY_ROUND_OFF * np.max(stiffnesses))
+    least = max(NO_STIFFNESS * np.sum(motion**2 * stiffnesses), LOOSE_BY_ROUND_OFF * np.max(stiffnesses))
     if resistance > least:
         return np.zeros((model.topology.n_x, 0))
     return motions_from_free(assembled.elements, motion[:, None])

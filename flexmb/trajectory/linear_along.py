@@ -21,7 +21,7 @@ from ..control.state_space import StateMatrices, state_matrices
 from ..display import Column, Labelled, Quantities, Summary, short, span
 from ..files import save_arrays
 from ..linear.spectrum import real_frequencies
-from ..numerical_limits import NO_VIBRATION, OUTSIDE_TIMES
+from ..numerical_limits import NO_VIBRATION, SAME_TIME
 from .about_motion import about, check_freedoms, freedoms_of, origins_of, outputs_of
 from .slow_modes import reduced_system
 from .varying_equations import Spline, cubic_spline, integrate_varying, with_halved_steps
@@ -289,7 +289,7 @@ class TimeVarying(Labelled, Record):
         if not is_concrete((self.t, times)):
             return
         first, last = float(self.t[0]), float(self.t[-1])
-        slack = OUTSIDE_TIMES * max(abs(first), abs(last))
+        slack = SAME_TIME * max(abs(first), abs(last))
         if np.any(np.asarray(times) < first - slack) or np.any(np.asarray(times) > last + slack):
             raise ValueError(
                 f"Argument `{name}` must lie within the times of the system, {short(first)} to {short(last)} s, but is"

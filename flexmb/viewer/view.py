@@ -8,7 +8,7 @@ import numpy as np
 from ..display import States, counted
 from ..linear.stress import SectionResultants, Stress
 from ..model.model import Model
-from ..numerical_limits import NOT_MOVED
+from ..numerical_limits import ROUND_OFF
 from ..plot.geometry import PLACES, lines, masses, nodes_of
 from ..plot.marks import dofs, loads, supports
 from ..plot.modes import AMPLITUDE, drawn_modes, factor_of
@@ -75,7 +75,7 @@ def view(
     elif result_states.shares:
         colours, states, options = _share_colours(result_states), [], {"choices": tuple(result_states.titles)}
     else:
-        states, options = [] if np.allclose(x, base, rtol=0, atol=NOT_MOVED) else [x], {}
+        states, options = [] if np.allclose(x, base, rtol=0, atol=ROUND_OFF) else [x], {}
     drawn = lines_at(model, base, states, None if colours is None else colours.values)
     loaded = x[-1] if several else x
     return _view(model, result_states.kind, drawn, nodes_at(model, base, states), colours, loaded, **options)

@@ -11,7 +11,7 @@ from ..linear.linearize import linearize
 from ..linear.spectrum import masses_of_motions
 from ..math.subspace import independent_rows
 from ..model.model import Model
-from ..numerical_limits import MASSLESS_MOTION
+from ..numerical_limits import NO_MASS
 from .counts import Count
 
 # Mass and rotary inertia to begin with [kg, kg m^2].
@@ -35,7 +35,7 @@ def mass_advice(model: Model) -> list[Advice]:
     if not mass.size or not np.all(np.isfinite(mass)):
         return []
     values, motions = masses_of_motions(mass)
-    light = np.asarray(lin.matrices.DFx) @ motions[:, np.abs(values) <= MASSLESS_MOTION]
+    light = np.asarray(lin.matrices.DFx) @ motions[:, np.abs(values) <= NO_MASS]
     inertia = INERTIA if model.labels.dimension == 2 else [INERTIA, "0", "0", INERTIA, "0", INERTIA]
     calls = {"position": ("a mass", "mass", MASS), "rotation": ("rotary inertia", "inertia", inertia)}
     suggestions: list[Advice] = []

@@ -16,7 +16,7 @@ from ..elements.sections import HollowRectangle, Tube
 from ..errors import ModelError, printable
 from ..math.rotation import initial_frame
 from ..model.model import Model
-from ..numerical_limits import STRAIGHT_LINE
+from ..numerical_limits import NEGLIGIBLE
 from ..plot.geometry import PLACES, Line, lines, nodes_of, point_extent
 from ..plot.sections import across_of, sections_of, shape_of, shapes_of, unit_vectors
 from ..viewer.scene import in_space
@@ -58,7 +58,7 @@ def step(model: Model, x: Float[np.ndarray, "n_x"] | None = None, title: str = "
     for line in drawn:
         if line.element in known:
             continue
-        if line.kind in ("rigid", "beam", "bar") and _length(line.points) > STRAIGHT_LINE * extent:
+        if line.kind in ("rigid", "beam", "bar") and _length(line.points) > NEGLIGIBLE * extent:
             bars.append(line.element)
             solids += _bars(cad, line, BAR * extent)
         else:
@@ -145,7 +145,7 @@ def _few(points: np.ndarray, extent: float) -> np.ndarray:
     """The ends of a straight line, or all points of another one."""
     s = np.linspace(0, 1, len(points))[:, None]
     off = np.max(np.abs(points - (1 - s) * points[0] - s * points[-1]))
-    return points[[0, -1]] if off <= STRAIGHT_LINE * extent else points
+    return points[[0, -1]] if off <= NEGLIGIBLE * extent else points
 
 
 def _outline(section: Any) -> _Outline | None:
@@ -169,7 +169,7 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
     undeformed = {line.element: line for line in lines(model, np.asarray(model.parameters.reference), straight=True)}
     for line in drawn:
         section = sections.get(line.element)
-        if section is None or len(line.points) != len(PLACES) or _length(line.points) <= STRAIGHT_LINE * extent:
+        if section is None or len(line.points) != len(PLACES) or _length(line.points) <= NEGLIGIBLE * extent:
             continue
         length = _length(undeformed[line.element].points)
         places = PLACES.tolist() if section.varies else [0.0]
@@ -187,7 +187,7 @@ def _parts(model: Model, x: np.ndarray, drawn: list[Line]) -> Iterator[_Part]:
             width = _untwisted(tangents)
         else:
             continue
-        straight = len(_few(points, extent)) == 2 and np.ptp(width, axis=0).max() < STRAIGHT_LINE
+        straight = len(_few(points, extent)) == 2 and np.ptp(width, axis=0).max() < NEGLIGIBLE
         ends = [0, -1] if straight else None
         chosen = list(range(len(PLACES)) if section.varies else ends or range(0, len(PLACES), STRIDE))
         rows = points[chosen], width[chosen], np.cross(tangents, width)[chosen], [outlines[i] for i in chosen]

@@ -9,7 +9,7 @@ import numpy as np
 from ..build.description import Member
 from ..compilation.by_meaning import jit
 from ..elements.element import Element
-from ..numerical_limits import SAME_DEFORMATION
+from ..numerical_limits import NEGLIGIBLE
 
 # Signs of the strain fields of a beam in series: elongation; in space also twist, bending about y and z, shear.
 FIELDS = {2: (1, -1), 3: (1, -1, -1, 1, 1, -1)}
@@ -118,4 +118,4 @@ def _signs_between(ours: np.ndarray, theirs: np.ndarray) -> np.ndarray | None:
     if ours.shape[1] == 0:
         return np.ones(0)
     signs = np.where(np.sum(ours * theirs, axis=0) < 0, -1.0, 1.0)
-    return signs if np.max(np.abs(theirs - signs * ours)) <= SAME_DEFORMATION * np.max(np.abs(ours)) else None
+    return signs if np.max(np.abs(theirs - signs * ours)) <= NEGLIGIBLE * np.max(np.abs(ours)) else None

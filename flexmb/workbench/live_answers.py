@@ -19,7 +19,7 @@ from ..linear.modes import Modes, modes, poles
 from ..linear.stress import Stress, stress
 from ..mechanics.loads import has_loads
 from ..model.model import Model
-from ..numerical_limits import FREE_MOTION
+from ..numerical_limits import FREE_STIFFNESS
 from ..plot.geometry import nodes_of
 from ..questions.mass import mass
 from ..questions.question import ANGLES, components_of, unit_of_question
@@ -133,7 +133,7 @@ class Answers:
             self._refused("frequency 1", "Hz", "", fault)
             return
         values, squares = np.asarray(mode_set.frequencies).tolist(), np.asarray(mode_set.eigenvalues).tolist()
-        free = FREE_MOTION * max(map(abs, squares), default=0.0)
+        free = FREE_STIFFNESS * max(map(abs, squares), default=0.0)
         for i, (hertz, square) in enumerate(zip(values[:FREQUENCIES], squares, strict=False), 1):
             special = f"unstable, ω² = {square:.4g} rad²/s²" if square < -free else "0 Hz, moves freely"
             text = special if square <= free else None

@@ -13,7 +13,7 @@ from ..build.description import AXES
 from ..elements.general import OF_TRIANGLE, STRAINS
 from ..errors import printable
 from ..model.by_name import TURNS
-from ..numerical_limits import SAME_PLACE
+from ..numerical_limits import TEN_DIGITS
 from .building import Built, build
 from .calls_of import UPPER
 from .content import Document, EditError, Report, checked_text
@@ -90,7 +90,7 @@ class _Image:
             return False
         image_coordinate = self._value(reflected(position[self.axis], self.at))
         size = max([abs(v) for k, v in numbers.items() if "/position/" in k], default=0.0)
-        return abs(image_coordinate - coordinate) <= SAME_PLACE * size
+        return abs(image_coordinate - coordinate) <= TEN_DIGITS * size
 
     def _value(self, text: str) -> float:
         try:
@@ -323,10 +323,10 @@ class _Image:
         if set(trial_points) != set(image_points) or not image_points:
             return False
         size = max(float(np.max(np.abs(p))) for p in image_points.values()) or 1.0
-        by_name = all(np.max(np.abs(trial_points[n] - image_points[n])) <= SAME_PLACE * size for n in image_points)
+        by_name = all(np.max(np.abs(trial_points[n] - image_points[n])) <= TEN_DIGITS * size for n in image_points)
         if inner or by_name:
             return by_name
-        grid = 10 * SAME_PLACE * size
+        grid = 10 * TEN_DIGITS * size
         rows = [sorted(np.round(p / grid).tolist() for p in points.values()) for points in (trial_points, image_points)]
         return bool(np.allclose(rows[0], rows[1], rtol=0, atol=2))
 
