@@ -587,14 +587,14 @@ FAULTS = [
     ),
     Fault(
         "build/mistaken_units.py",
-        "soft = density < DENSEST_GEL and (",
-        "soft = density < DENSEST_GEL or (",
+        "soft = density < limits.DENSEST_GEL and (",
+        "soft = density < limits.DENSEST_GEL or (",
         "build/test_mistaken_units.py",
     ),
     Fault(
         "build/mistaken_units.py",
-        "if np.max(reach) > LARGEST_MECHANISM:",
-        "if np.min(reach) > LARGEST_MECHANISM:",
+        "if np.max(reach) > limits.LARGEST_MECHANISM:",
+        "if np.min(reach) > limits.LARGEST_MECHANISM:",
         "build/test_mistaken_units.py",
     ),
     Fault(
@@ -2465,7 +2465,7 @@ FAULTS = [
         'yield KINETIC, (0.0, "")',
         "build/test_check_element.py",
     ),
-    Fault("build/tried.py", "float(name not in KINKED)", "1.0", "build/test_check_element.py -k how_nearly"),
+    Fault("build/check_element.py", "float(name not in KINKED)", "1.0", "build/test_check_element.py -k how_nearly"),
     Fault("math/rotations.py", "1 - square / 8", "1 - square / 4", "math/test_rotations.py"),
     Fault(
         "math/rotations.py",

@@ -1,33 +1,29 @@
 """Test a user's element type against the laws that every element obeys, in random states near several references."""
 
 import dataclasses
+import functools
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax.flatten_util import ravel_pytree
 
 from ..arguments import check_number
+from ..compilation.compile import jit
 from ..display import Result, Summary, counted
 from ..elements.element import Element
+from ..elements.nodes import NodeKind
 from ..errors import ModelError
+from ..math import rotations
 from ..numerical_limits import ELEMENT_DIFFERENCE, ELEMENT_LAW, POTENTIAL_DIFFERENCE
 from .assemble import is_option
 from .properties import complete_properties, element_type, number_of_deformations, with_options
-from .tried import (
-    KINKED,
-    STEP,
-    ElementState,
-    abs_or_one,
-    compiled_functions,
-    moved_nodes,
-    random_element,
-    rigid_motion,
-    sizes,
-    weights,
-)
 
+# Companions that need not have derivatives everywhere.
+KINKED = ("law", "energy", "dissipation")
+STEP = float(np.cbrt(np.finfo(float).eps))
 REFERENCES = 3
 # Distances of the states from their reference, over the distance of nodes, and in radians: in it, near it, away from
 # it.
@@ -90,8 +86,8 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
     element, remaining = with_options(element, name, properties)
     completed = complete_properties(element, name, remaining)
     count = number_of_deformations(element, name, completed)
-    tried = _Tried(element, completed, count, apart)
-    laws = dict(tried.laws())
+    states = _Tried(element, completed, count, apart)
+    laws = dict(states.laws())
     if faults := [fault for _, fault in laws.values() if fault]:
         raise ModelError("\n".join(f"Element type '{name}': {fault}." for fault in faults))
     return ElementCheck(name, count, {law: value for law, (value, _) in laws.items()})
@@ -110,8 +106,10 @@ class _Tried:
         pairs = [(random_element(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
         self.states = [ElementState(moved_nodes(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
         self.references = [i for i, (_, away) in enumerate(pairs) if not away]
-        for i in self.references:
-            self._check_reference(self.states[i], properties)
+        arguments = element.arguments(element.check, properties) or {}
+        for state in [self.states[i] for i in self.references] if element.check is not None else ():
+            for fault in element.check(ref=element.reference(state.ref), **arguments):
+                raise ModelError(f"Element type '{element.name}' {fault}.")
         turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
         rigid = [
             ElementState(rigid_motion(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)
@@ -139,13 +137,6 @@ class _Tried:
 
     def _flat(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
         return np.asarray(ravel_pytree(self._tree(state, change))[0])
-
-    def _check_reference(self, state: ElementState, properties: dict[str, Any]) -> None:
-        check = self.element.check
-        if check is not None:
-            arguments = self.element.arguments(check, properties) or {}
-            for fault in check(ref=self.element.reference(state.ref), **arguments):
-                raise ModelError(f"Element type '{self.element.name}' {fault}.")
 
     # -- the laws -------------------------------------------------------------------------------------------------
 
@@ -262,10 +253,8 @@ class _Tried:
         slope, differences = self.here[f"{kind} slope"], self.here[f"{kind} differences"]
         scale = max(np.max(np.abs(slope)), np.max(np.abs(differences))) or 1.0
         value = float(np.max(np.abs(slope - differences)) / scale)
-        return (
-            value,
-            f"the derivative of its {kind} is not that of its differences" if value > POTENTIAL_DIFFERENCE else "",
-        )
+        fault = f"the derivative of its {kind} is not that of its differences"
+        return value, fault if value > POTENTIAL_DIFFERENCE else ""
 
     def _symmetric(self, named: list[str]) -> tuple[float, str]:
         value, fault = 0.0, ""
@@ -273,10 +262,9 @@ class _Tried:
             matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
             scale = np.max(np.abs(matrices)) or 1.0
             asymmetry = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
-            value, fault = (
-                max(value, asymmetry),
-                fault or (f"its {name} is not symmetric" if asymmetry > ELEMENT_LAW else ""),
-            )
+            value = max(value, asymmetry)
+            if asymmetry > ELEMENT_LAW:
+                fault = fault or f"its {name} is not symmetric"
         return value, fault
 
     def _semidefinite(self) -> tuple[float, str]:
@@ -293,15 +281,167 @@ class _Tried:
 
     def _kinetic(self) -> tuple[float, str]:
         mass, value = self.here["mass"], 0.0
+        ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
         for i, turn in enumerate(self.turns):
-            ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
-            unmoved = np.eye(mass.shape[1])
-            zero = np.zeros(3)
-            columns = [
-                np.concatenate(rigid_motion(self.kinds, np.split(c, ends), turn, zero, rates=True)) for c in unmoved
-            ]
-            turned = np.stack(columns, axis=1)
+            unmoved = (np.split(column, ends) for column in np.eye(mass.shape[1]))
+            moved = [rigid_motion(self.kinds, column, turn, np.zeros(3), rates=True) for column in unmoved]
+            turned = np.stack([np.concatenate(column) for column in moved], axis=1)
             deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
             value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))
         fault = "its kinetic energy changes when the whole is turned or moved" if value > ELEMENT_LAW else ""
         return value, fault
+
+
+# -- states of an element, and answers of its functions ----------------------------------------------------------------
+
+
+class ElementState(NamedTuple):
+    """Coordinates of an element in a state and in the undeformed mechanism, node by node."""
+
+    x: list[np.ndarray]
+    ref: list[np.ndarray]
+
+
+def abs_or_one(numbers: np.ndarray) -> np.ndarray:
+    """Absolute values. The largest of them replaces a zero, or 1 if all are zero."""
+    sizes = np.abs(numbers)
+    return np.where(sizes > 0, sizes, np.max(sizes, initial=0.0) or 1.0)
+
+
+def sizes(kinds: list[NodeKind], apart: float) -> list[np.ndarray]:
+    """Usual sizes of coordinates, node by node."""
+    return [np.full(kind.size, apart if kind.part == "position" else 1.0) for kind in kinds]
+
+
+def weights(count: int) -> np.ndarray:
+    """Numbers of order one without symmetry."""
+    return np.cos(2.0 + 1.7 * np.arange(count))
+
+
+def random_element(kinds: list[NodeKind], apart: float, random: np.random.Generator) -> list[np.ndarray]:
+    """Coordinates of an undeformed element: nodes in a row along a line, with random rotations."""
+    coordinates, places = [], 0
+    along = np.array([1.0, 0.3, -0.2])
+    for kind in kinds:
+        if kind.part == "position":
+            offset = 0.3 * random.uniform(-1, 1, kind.size) + places * along[: kind.size]
+            coordinates.append(apart * offset)
+            places += 1
+        elif kind.part != "rotation":
+            coordinates.append(np.zeros(kind.size))
+        elif kind.dimension == 2:
+            coordinates.append(random.uniform(-1, 1, 1))
+        else:
+            coordinates.append(np.asarray(rotations.from_vector(random.uniform(-1, 1, 3))))
+    return coordinates
+
+
+def moved_nodes(
+    kinds: list[NodeKind], ref: list[np.ndarray], away: float, apart: float, random: np.random.Generator
+) -> list[np.ndarray]:
+    """Coordinates of the deformed element, with each node moved by itself."""
+    coordinates = []
+    for kind, part in zip(kinds, ref, strict=True):
+        change = away * random.uniform(-1, 1, 3 if kind.part == "rotation" else kind.size)
+        if kind.part == "rotation" and kind.dimension == 3:
+            coordinates.append(np.asarray(rotations.quaternion_product(rotations.from_vector(change), part)))
+        else:
+            coordinates.append(part + (apart if kind.part == "position" else 1.0) * change[: kind.size])
+    return coordinates
+
+
+def rigid_motion(
+    kinds: list[NodeKind], x: list[np.ndarray], turn: np.ndarray, shift: np.ndarray, rates: bool = False
+) -> list[np.ndarray]:
+    """Coordinates after a rigid motion of the whole, or rates carried along by it."""
+    c, s = np.cos(turn[2]), np.sin(turn[2])
+    lam, plane = rotations.from_vector(turn), np.array([[c, -s], [s, c]])
+    coordinates = []
+    for kind, part in zip(kinds, x, strict=True):
+        if kind.part == "position":
+            matrix = plane if kind.dimension == 2 else np.asarray(rotations.to_matrix(lam))
+            coordinates.append(matrix @ part + shift[: kind.dimension])
+        elif kind.part != "rotation":
+            coordinates.append(part)
+        elif kind.dimension == 2:
+            coordinates.append(part + (0.0 if rates else turn[2]))
+        else:
+            coordinates.append(np.asarray(rotations.quaternion_product(lam, part)))
+    return coordinates
+
+
+@functools.cache
+def compiled_functions(element: Element, count: int, options: tuple, structure: Any, shapes: tuple) -> Any:
+    """Compiled values and derivatives of an element's functions at many points, and the slice of each function."""
+    _, unravel = ravel_pytree(jax.tree.unflatten(structure, [np.zeros(shape) for shape in shapes]))
+
+    def chosen(companion: Any, numbers: dict[str, Any]) -> dict[str, Any] | None:
+        return element.arguments(companion, {**numbers, **dict(options)})
+
+    def answers(point: Any) -> dict[str, Any]:
+        x, ref, numbers = unravel(point)
+        where = element.reference(ref)
+        keywords = {"near": jnp.zeros(count)} if element.tracks_angle else {}
+        e = element.deformation(*x, ref=where, **(chosen(element.deformation, numbers) or {}), **keywords)
+        answered = {"deformations": e}
+        rates = weights(count)
+        calls = {"energy": (e,), "dissipation": (e, rates), "law": (e, rates), "stiffness": (), "damping": ()}
+        for name, arguments in (*calls.items(), ("force", x), ("inertia", x)):
+            companion = getattr(element, name)
+            properties = chosen(companion, numbers)
+            if properties is None:
+                continue
+            answer = companion(*arguments, ref=where, **properties)
+            answered |= {"vectors": answer[0], "H": answer[1]} if name == "inertia" else {name: answer}
+        return answered
+
+    def weighed(point: Any) -> Any:
+        """Weights of all answers; zero for laws and potentials, which may have kinks, as in contact."""
+        parts = {name: jnp.full(part.size, float(name not in KINKED)) for name, part in answers(point).items()}
+        joined = jnp.concatenate([part for _, part in sorted(parts.items())])
+        return joined * weights(joined.size)
+
+    def flat(point: Any) -> Any:
+        return jnp.concatenate([jnp.ravel(part) for _, part in sorted(answers(point).items())])
+
+    def both(point: Any) -> Any:
+        value, pull = jax.vjp(flat, point)
+        return value, pull(weighed(point))[0]
+
+    def slopes(name: str, point: Any) -> dict[str, Any]:
+        """Derivative of a potential in a direction, and its difference quotient."""
+        _, ref, numbers = unravel(point)
+        properties = chosen(getattr(element, name), numbers) or {}
+        e = answers(point)["deformations"]
+        potential = getattr(element, name)
+
+        def of(v: Any) -> Any:
+            arguments = (v,) if name == "energy" else (e, v)
+            return potential(*arguments, ref=element.reference(ref), **properties)
+
+        at = e if name == "energy" else jnp.asarray(weights(count))
+        way, step = jnp.cos(jnp.arange(count)), STEP * jnp.max(jnp.abs(at), initial=1e-3)
+        along = (of(at + step * way) - of(at - step * way)) / (2 * step)
+        return {f"{name} slope": jax.grad(of)(at) @ way, f"{name} differences": along}
+
+    def one(point: Any, along: Any) -> dict[str, Any]:
+        (value, reverse), (forward, second) = jax.jvp(both, (point,), (along,))
+        results = {"value": value, "reverse": reverse, "forward": forward, "second": second}
+        x, ref, numbers = unravel(point)
+        if chosen(element.inertia, numbers) is not None:
+            at, again = ravel_pytree(x)
+
+            def vectors(x: Any) -> Any:
+                return answers(ravel_pytree((again(x), ref, numbers))[0])["vectors"]
+
+            j = jax.jacfwd(vectors)(at)
+            results["mass"] = jnp.einsum("akc,ab,bkd->cd", j, answers(point)["H"], j)
+        for name in ("energy", "dissipation"):
+            if chosen(getattr(element, name), numbers) is not None:
+                results |= slopes(name, point)
+        return results
+
+    example = jax.eval_shape(answers, jax.ShapeDtypeStruct((sum(int(np.prod(s)) for s in shapes),), float))
+    ends = np.cumsum([0, *(int(np.prod(part.shape)) for _, part in sorted(example.items()))]).tolist()
+    slices = {name: slice(a, b) for name, a, b in zip(sorted(example), ends[:-1], ends[1:], strict=True)}
+    return jit(jax.vmap(one)), slices
