@@ -438,12 +438,11 @@ class Builder(Description):
             follower: Whether the force turns with the node's rotation; it then has no potential.
         """
         part = str(node) if str(node) in self.nodes else self._unknown_node(str(node), "force")
-        for name, flag in (("increment", increment), ("follower", follower)):
-            check_flag(name, flag, ModelError)
+        check_flag("increment", increment, ModelError)
+        check_flag("follower", follower, ModelError)
         force, kind = number_list(f"Force on node '{part}'", force), self.nodes[part].kind
-        size = kind.size
-        if len(force) > size or (len(force) < size and kind.part != "internal"):
-            raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {size}.")
+        if len(force) > kind.size or (len(force) < kind.size and kind.part != "internal"):
+            raise ModelError(f"Force on node '{part}' has {len(force)} components, but the node has {kind.size}.")
         if follower:
             if kind.part != "position":
                 raise ModelError(f"A follower force on '{part}' needs a node with a position.")
@@ -466,8 +465,8 @@ class Builder(Description):
             follower: Whether its axis turns with the rotation; this makes no difference in the plane.
         """
         part = self._rotation_name(str(node))
-        for name, flag in (("increment", increment), ("follower", follower)):
-            check_flag(name, flag, ModelError)
+        check_flag("increment", increment, ModelError)
+        check_flag("follower", follower, ModelError)
         flat = self._kind_of(part) is ANGLE
         expected = "one number in the plane" if flat else "three numbers in space"
         components = self._numbers_of(f"Moment on node '{node}'", moment, (1,) if flat else (3,), expected)
@@ -808,8 +807,8 @@ class Builder(Description):
         """
         if not isinstance(dofs, str):
             return self.with_dofs(dofs).build(dofs="named", release=release, check=check)
-        for argument, value, allowed in (("dofs", dofs, ("auto", "named")), ("release", release, ("auto", "none"))):
-            check_choice(argument, value, allowed, ModelError)
+        check_choice("dofs", dofs, ("auto", "named"), ModelError)
+        check_choice("release", release, ("auto", "none"), ModelError)
         check_flag("check", check, ModelError)
         if release == "auto" and not check:
             raise ModelError("release='auto' needs the checks: leave out check=False, or name the releases.")
@@ -817,11 +816,7 @@ class Builder(Description):
             raise ModelError("The model has no elements. Add at least one.")
         for loads in self.loads.values():
             self._check_gravity(loads.get("gravity", {}).get("all"))
-        strangers = [
-            f"{owner} {component}"
-            for kind, owner, component in self.starts
-            if (kind, owner, component) not in self.dofs
-        ]
+        strangers = [f"{key[1]} {key[2]}" for key in self.starts if key not in self.dofs]
         if self.dofs and strangers:
             raise ModelError(
                 f"Only degrees of freedom have start values, and {', '.join(strangers)}"

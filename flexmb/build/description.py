@@ -188,9 +188,7 @@ class Description:
                 raise ModelError(f"Argument `dofs` has {short_repr(label)} twice.")
             keys[key] = None
             twin.calls.append(MadeCall("dof", (owner, symbol), {"kind": kind}))
-        if left_out := [
-            f"'{owner} {component}'" for kind, owner, component in self.dofs if (kind, owner, component) not in keys
-        ]:
+        if left_out := [f"'{key[1]} {key[2]}'" for key in self.dofs if key not in keys]:
             raise ModelError(f"Argument `dofs` leaves out {', '.join(left_out)}, which dof() names.")
         twin.dofs = list(keys)
         twin._set_roles(twin.dofs, Role.DOF)
@@ -203,9 +201,8 @@ class Description:
     def __copy__(self) -> Self:
         twin = object.__new__(type(self))
         twin.__dict__.update(self.__dict__)
-        for field in ("nodes", "members"):
-            contents = {k: dataclasses.replace(v, roles=list(v.roles)) for k, v in getattr(self, field).items()}
-            setattr(twin, field, contents)
+        twin.nodes = {name: dataclasses.replace(node, roles=list(node.roles)) for name, node in self.nodes.items()}
+        twin.members = {name: dataclasses.replace(m, roles=list(m.roles)) for name, m in self.members.items()}
         twin.dofs, twin._clamped, twin.starts = list(self.dofs), set(self._clamped), dict(self.starts)
         twin.calls = list(self.calls)
         twin.loads = {k: {n: dict(v) for n, v in sets.items()} for k, sets in self.loads.items()}
@@ -259,8 +256,7 @@ class Description:
         node = str(node)
         if node not in self.nodes:
             self._unknown_node(node, "position")
-        if self.nodes[node].kind.part != "position":
-            kind = self.nodes[node].kind
+        if (kind := self.nodes[node].kind).part != "position":
             way = ""
             if kind.part == "rotation":
                 room = "planar" if kind.dimension == 2 else "spatial"
@@ -321,11 +317,9 @@ class Description:
         part, number = node, number_in(component)
         letter = isinstance(component, str) and number is None
         if node not in self.nodes:
-            part = (
-                self._rotation_name(node)
-                if node.endswith(".rotation")
-                else self._unknown_node(node, f"coordinate {short_repr(component)}")
-            )
+            if not node.endswith(".rotation"):
+                self._unknown_node(node, f"coordinate {short_repr(component)}")
+            part = self._rotation_name(node)
         elif letter and self.nodes[node].kind.part == "position" and component not in AXES:
             part = self._rotation_name(node)
         kind = self._kind_of(part)

@@ -165,14 +165,13 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     if isinstance(value, list | tuple):
         check_numbers(subject, value, fault=ModelError)
         value = stack(value)
-    leaves = jax.tree.leaves(value)
+    leaves, shape = jax.tree.leaves(value), None
     if len(leaves) == 1 and leaves[0] is value:
         shape = next((s for s in map(_shape, hints) if s is not None), None)
         # One number replaces several equal numbers, such as the stiffnesses of all deformations.
-        check_numbers(subject, value, () if float in hints and np.ndim(value) == 0 else shape, fault=ModelError)
-    else:
-        for leaf in leaves:
-            check_numbers(subject, leaf, fault=ModelError)
+        shape = () if float in hints and np.ndim(value) == 0 else shape
+    for leaf in leaves:
+        check_numbers(subject, leaf, shape, fault=ModelError)
     return value
 
 
@@ -388,13 +387,10 @@ def _check_answer(element: Element, kind: str, n: int, answer: Any) -> None:
         if shapes != [(8,)] * 3:
             raise _WrongFunction(f"surface must be three vectors (8,), but is {_described(answer)}.")
     elif getattr(answer, "shape", None) != expected[kind]:
-        raise _WrongFunction(f"{kind} must have shape {expected[kind]}, but {_has(answer)}.")
+        has = f"has {answer.shape}" if isinstance(answer, jax.ShapeDtypeStruct) else f"is {_described(answer)}"
+        raise _WrongFunction(f"{kind} must have shape {expected[kind]}, but {has}.")
 
 
 def _described(answer: Any) -> str:
     shapes = [getattr(leaf, "shape", "?") for leaf in jax.tree.leaves(answer)]
     return f"of shape {' and '.join(map(str, shapes))}" if shapes else "nothing"
-
-
-def _has(answer: Any) -> str:
-    return f"has {answer.shape}" if isinstance(answer, jax.ShapeDtypeStruct) else f"is {_described(answer)}"
