@@ -201,14 +201,7 @@ def _mode_number(mode: str | None, analysis: str | None) -> int:
 def _check_files(
     source: Path | None = None, about: str = "flexmb", plots: Iterable[str] = PICTURES, **files: Any
 ) -> None:
-    """Refuse wrong endings and files that cannot be written, before anything is computed.
-
-    Args:
-        source: Input file, which must not be overwritten.
-        about: Beginning of the message on a wrong ending.
-        plots: Endings of pictures.
-        files: Paths by option.
-    """
+    """Refuse wrong endings, files that cannot be written, and the input file, before anything is computed."""
     from .files import check_writable
 
     endings = {"save": (".npz", ".mat"), "plot": (*plots,), "to": (".fmu",)}
@@ -239,13 +232,7 @@ def _check_release(release: str) -> None:
 
 @contextlib.contextmanager
 def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[None]:
-    """Refuse faults of a file.
-
-    Args:
-        name: Beginning of each line of a model fault; without it such faults pass.
-        path: File that is read; without it other faults of files pass.
-        how: Verb for what is done with the file.
-    """
+    """Refuse faults of a file; faults of a model only with a name, other faults of files only with a path."""
     try:
         yield
     except SpacarError as fault:
@@ -314,14 +301,7 @@ def _print_answer(
     result: Any = None,
     picture: str = "",
 ) -> None:
-    """Write, draw and print an answer with its warnings; exit with status 1 if its status is not "ok".
-
-    Args:
-        name: Name of the input file.
-        text: Text for the terminal; None without an answer.
-        result: Result to draw; None without one.
-        picture: Function of :mod:`flexmb.plot` instead of the usual one.
-    """
+    """Write, draw and print an answer with its warnings; exit with status 1 if its status is not "ok"."""
     from .answers.answer_files import to_json
 
     _store(json_path, lambda _: to_json(data).encode())

@@ -207,15 +207,13 @@ class _Tried:
         )
         return value, fault if value > ELEMENT_LAW else ""
 
-    def _scales(self) -> np.ndarray:
-        """Largest size of the same answer and of its derivatives, for each number."""
-        scales = np.zeros(self.here["value"].shape[1])
+    def _first(self) -> tuple[float, str]:
+        forward = self.here["forward"]
+        # Largest size of the same answer and of its derivatives, for each number.
+        scales = np.zeros(forward.shape[1])
         for columns in self.shapes.values():
             scales[columns] = max(np.max(np.abs(self.here[k][:, columns]), initial=0.0) for k in ("value", "forward"))
-        return np.where(scales > 0, scales, 1.0)
-
-    def _first(self) -> tuple[float, str]:
-        scales, forward = self._scales(), self.here["forward"]
+        scales = np.where(scales > 0, scales, 1.0)
         central = (self.plus["value"] - self.minus["value"]) / (2 * STEP)
         errors = np.abs(central - forward) / scales
         own_weights = weights(forward.shape[1])

@@ -145,6 +145,11 @@ def ends_at(builder: Description, names: Iterable[str]) -> dict[str, list[End]]:
     return by_rotation
 
 
+def end_at(builder: Description, name: str, rotation: str) -> End:
+    """Return the end of an element at a rotation."""
+    return next(end for end in ends_of_leaf(name, builder.members[name]) if end.rotation == rotation)
+
+
 def opposite(builder: Description, end: End) -> End:
     """Return the other end of the element."""
     return ends_of_leaf(end.leaf, builder.members[end.leaf])[1 - end.number]
@@ -158,12 +163,7 @@ def axes_at(builder: Description, *ends: End, library: Any = np) -> list[Any]:
 def _reach_in_line(
     builder: Description, twin: Description, joined: dict[str, list[str]], flat_ends: dict[tuple[str, int], bool]
 ) -> None:
-    """Store the distances from ends to clamps beyond leaf springs in line in the properties of ``twin``.
-
-    Args:
-        twin: Copy of the builder, with ``clamped`` of its leaf springs.
-        flat_ends: Whether a clamp keeps an end flat, by element and number of the end.
-    """
+    """Store the distances from ends to clamps beyond leaf springs in line in the properties of ``twin``."""
     leaves = [name for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields]
     meeting = ends_at(builder, leaves)
     distances: dict[tuple[str, int], Any] = {}
@@ -176,7 +176,7 @@ def _reach_in_line(
             passed.add(following[0].leaf)
             beyond = beyond + span_of(builder, builder.members[following[0].leaf])
             at = opposite(builder, following[0])
-        sides = _sides(builder, builder.members[end.leaf], end.number) or []
+        sides = _sides(builder, end) or []
         known = is_concrete((beyond, sides))
         too_far = known and bool(beyond >= REACH * max(np.asarray(side).max() for side in sides))
         if at is not end and not too_far and flat_ends[at.leaf, at.number]:
@@ -261,7 +261,7 @@ def is_clamped(
             effect = _by(builder, end, name, other)
         except _Unknown as reason:
             if before is not None:
-                traced.append(other)
+                traced.append(end_at(builder, name, end.rotation))
                 continue
             raise ModelError(
                 f"Element '{end.leaf}': whether '{name}' clamps its {('first', 'last')[end.number]} end cannot be"
@@ -274,20 +274,17 @@ def is_clamped(
     return Clamped(*before or (False, False), _traced(builder, end, traced, (flat, restrained)))
 
 
-def _traced(builder: Description, end: End, others: list[Member], known: tuple[bool, bool]) -> tuple[Any, Any] | None:
+def _traced(builder: Description, end: End, others: list[End], known: tuple[bool, bool]) -> tuple[Any, Any] | None:
     """Whether an end is flat and restrained, with traced neighbours; None for a section without sizes."""
     leaf, (flat, restrained) = builder.members[end.leaf], known
-    for other in others:
-        number = nodes_of_kind(other, "rotation").index(end.rotation)
-        thin, thick = _sides(builder, leaf, end.number), _sides(builder, other, number)
+    for beside in others:
+        other, thin, thick = builder.members[beside.leaf], _sides(builder, end), _sides(builder, beside)
         if thin is None or thick is None:
             return None
         clamps: Any = jnp.min(jnp.stack(thick)) >= THICK * jnp.min(jnp.stack(thin))
         warps = False if other.element.fields and leaf.element.fields else clamps
         if "clamped" in other.properties:
-            (along, across), (along_other, across_other) = (
-                leaf_axes(builder, member, jnp, at) for member, at in ((leaf, end.number), (other, number))
-            )
+            (along, across), (along_other, across_other) = axes_at(builder, end, beside, library=jnp)
             angled = jnp.abs(across @ across_other) < np.cos(FOLD)
             clamps, warps = clamps | angled, warps | angled
             flat |= jnp.abs(along @ along_other) < np.cos(FOLD)
@@ -311,13 +308,12 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     if section is None or all(role in HELD for role in roles):
         constrained = any(role in HELD for role in roles)
         return constrained, constrained
-    number = nodes_of_kind(other, "rotation").index(end.rotation)
-    leaf = builder.members[end.leaf]
-    thick = _is_thick(builder, leaf, end.number, other, number)
+    leaf, beside = builder.members[end.leaf], end_at(builder, name, end.rotation)
+    thick = _is_thick(builder, end, beside)
     # Leaf springs in line share their warping, at any ratio of thicknesses.
     if "clamped" not in other.properties or (thick and not (element.fields and leaf.element.fields)):
         return thick, thick
-    axes = [leaf_axes(builder, member, np, at) for member, at in ((leaf, end.number), (other, number))]
+    axes = axes_at(builder, end, beside)
     if not is_concrete(axes):
         if thick:
             return True, False
@@ -344,11 +340,11 @@ def _is_untwisted(member: Member) -> bool:
     return all(member.roles[number - 1] is Role.FIXED for number in twist)
 
 
-def _is_thick(builder: Description, leaf: Member, end: int, other: Member, number: int) -> bool:
+def _is_thick(builder: Description, end: End, beside: End) -> bool:
     """Whether an end of another element is thick enough to clamp an end of a leaf spring."""
-    if _equally_thick(leaf.properties["section"], other.properties["section"]):
+    if _equally_thick(*(builder.members[at.leaf].properties["section"] for at in (end, beside))):
         return False
-    thin, thick = _sides(builder, leaf, end), _sides(builder, other, number)
+    thin, thick = _sides(builder, end), _sides(builder, beside)
     if thin is None or thick is None:
         raise _Unknown("its section is given by numbers and has no thickness")
     if not is_concrete((thin, thick)):
@@ -369,11 +365,12 @@ def _equally_thick(first: Section, other: Section) -> bool:
     return values == others
 
 
-def _sides(builder: Description, member: Member, end: int) -> list[Any] | None:
+def _sides(builder: Description, end: End) -> list[Any] | None:
     """Sides of a section at an end of an element; None for a section without sides."""
+    member = builder.members[end.leaf]
     beam_section, length = member.properties["section"], span_of(builder, member)
     with known_numbers(beam_section):
-        section: Section = beam_section.at(float(end), float(length) if is_concrete(length) else 1.0)
+        section: Section = beam_section.at(float(end.number), float(length) if is_concrete(length) else 1.0)
     section = getattr(section, "outline", None) or section
     sides = [getattr(section, name) for name in ("width", "thickness", "diameter") if hasattr(section, name)]
     return sides or None

@@ -21,6 +21,7 @@ from .clamps import (
     End,
     axes_at,
     elements_at,
+    end_at,
     ends_at,
     ends_of_leaf,
     is_fold,
@@ -148,7 +149,7 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
             if others[0] not in leaves:
                 length += np.inf if other.element.fields and "clamped" in other.properties else 0.0
                 break
-            near = next(end for end in ends_of_leaf(others[0], other) if end.rotation == at.rotation)
+            near = end_at(builder, others[0], at.rotation)
             before = section_at(builder, builder.members[at.leaf], 0.5)
             thick = float(section_at(builder, other, 0.5).thickness) >= THICK * float(before.thickness)
             if others[0] in passed or thick or is_fold(builder, at, near):
@@ -187,8 +188,7 @@ def _pieces_of_a_curve(
             for other in joined[at.rotation]:
                 if other == name or other not in leaves:
                     continue
-                following = next(end for end in ends_of_leaf(other, leaves[other]) if end.rotation == at.rotation)
-                if (turn := _turn(builder, at, following)) is None:
+                if (turn := _turn(builder, at, end_at(builder, other, at.rotation))) is None:
                     continue
                 # Two folds in the same sense make a curve, one fold does not.
                 folds = [before for end, before in turns if end != at.number and FOLD <= min(_angles(before, turn))]

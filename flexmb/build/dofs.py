@@ -152,22 +152,14 @@ def _independent(
     """Deformations that determine a mechanism with the named ones, and the projector onto undetermined motions.
 
     Found degrees of freedom stay zero unless something moves them. So elongations and shears of strain series come
-    first beside named ones. Of the rest, those that move least with the named ones are the most independent: what
-    varies along a beam more than linearly. Without named ones, the most independent deformations suit all designs of a
-    sweep.
-
-    Args:
-        candidates: Indices of deformations, (m,).
-        effects: Their changes in each motion, (m, f).
-        undetermined: Projector onto motions that named degrees of freedom leave undetermined, (f, f).
-        count: Most deformations to choose.
-        beside: Whether degrees of freedom are named.
+    first beside named ones (``beside``). Of the rest, those that move least with the named ones are the most
+    independent: what varies along a beam more than linearly. Without named ones, the most independent deformations suit
+    all designs of a sweep. ``effects``: changes of the candidates in each motion, (m, f).
     """
     chosen: list[int] = []
-    if not isinstance(effects, np.ndarray) or not beside:
-        tiers = [np.arange(len(candidates))]
-    else:
-        tiers = [np.flatnonzero(np.isin(candidates, _stretches(model))), np.arange(len(candidates))]
+    tiers = [np.arange(len(candidates))]
+    if isinstance(effects, np.ndarray) and beside:
+        tiers.insert(0, np.flatnonzero(np.isin(candidates, _stretches(model))))
     for i, tier in enumerate(tiers):
         least = INDEPENDENT if i == len(tiers) - 1 else CLEARLY_INDEPENDENT
         rows, remaining = independent_rows(effects[tier] @ undetermined, count - len(chosen), least)
@@ -249,8 +241,7 @@ def _check_named(model: Model, motions: Any, constraint_set: Constraints) -> Non
     stuck = [name for name, size in zip(names, sizes, strict=True) if size < CANNOT_MOVE]
     if stuck:
         raise MechanismError(
-            "dof",
-            f"Degree of freedom {', '.join(stuck)} cannot move in the undeformed mechanism. Name one that can.",
+            "dof", f"Degree of freedom {', '.join(stuck)} cannot move in the undeformed mechanism. Name one that can."
         )
     if named > ndof:
         raise MechanismError(

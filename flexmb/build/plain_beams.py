@@ -100,14 +100,7 @@ def _may_be_leaf(member: Member) -> bool:
 def _left_out(
     builder: Description, chain: _Chain, joined: dict[str, list[str]], known: dict[int, Any]
 ) -> dict[str, float]:
-    """Relative change of a stiffness by each missing effect.
-
-    Args:
-        builder: Builder of the mechanism.
-        chain: Beams in line.
-        joined: Names of the elements at each node.
-        known: Rigidities of sections that do not vary, with shear, by their identity; more are added.
-    """
+    """Relative change of a stiffness by each missing effect; rigidities of constant sections are added to ``known``."""
     member = builder.members[chain.names[0]]
     section: Section = member.properties["section"]
     segments = pieces_of(section, chain.length)

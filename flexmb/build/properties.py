@@ -150,7 +150,12 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
             expected = " or ".join(_kind(h) for h in records)
             raise ModelError(f"{subject} must be {expected}, not {short_repr(value)}.")
     elif ENDS in hints:
-        return _of_ends(subject, value)
+        flags = [value] * 2 if isinstance(value, bool) else list(value) if isinstance(value, list | tuple) else []
+        if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
+            raise ModelError(
+                f"{subject} must be True or False, or two of them, one for each end, not {short_repr(value)}."
+            )
+        return np.array(flags, float)
     elif roots := [ROOTS[h] for h in hints if h in ROOTS]:
         return _of_roots(subject, value, roots[0])
     elif bool in hints:
@@ -173,14 +178,6 @@ def _checked(element: Element, name: str, key: str, value: Any) -> Any:
     for leaf in leaves:
         check_numbers(subject, leaf, shape, fault=ModelError)
     return value
-
-
-def _of_ends(subject: str, value: Any) -> np.ndarray:
-    """Truth values of the two ends of an element as numbers, from one value for both ends or one for each."""
-    flags = [value] * 2 if isinstance(value, bool) else list(value) if isinstance(value, list | tuple) else []
-    if len(flags) != 2 or not all(isinstance(flag, bool) for flag in flags):
-        raise ModelError(f"{subject} must be True or False, or two of them, one for each end, not {short_repr(value)}.")
-    return np.array(flags, float)
 
 
 def _of_roots(subject: str, value: Any, count: int) -> tuple[Any, Any] | None:
