@@ -37,6 +37,26 @@ not choose."""
 FREE_POLE = 1e-7
 """A pole or a frequency below this share of the largest belongs to a free motion, by round-off."""
 
+SAME_ANSWER = 1e-6
+"""Answers belong to the same model if they agree up to this share of the largest. Beyond round-off times the condition
+of a leaf spring, more than numbers has changed."""
+
+CONSTRAINTS_MET = 1e-9
+"""Largest error of constraints and of held deformations, over what the whole extent makes of them, or in radians."""
+
+SUPPORTED = 1e-13
+"""Stiffness that makes a singular matrix regular, over its largest entry: just above round-off."""
+
+NEGATIVE_BY_ROUND_OFF = 1e-10
+"""A mass or a flexibility is negative below minus this share of the largest, or of the own entry of its coordinate.
+Nearer to zero stands round-off."""
+
+REPORTED_ERROR = 0.01
+"""Error of a state space or a response, by what it leaves out, that is reported."""
+
+BOUNDED_ROUND_OFF = 1e-14
+"""Round-off of a sum over the bound of its terms, and of a matrix over its largest entry."""
+
 # --- root -----------------------------------------------------------------------------------------------------------
 
 OUTER_MOTION = 1e-6
@@ -192,9 +212,6 @@ ENERGY_ROUND_OFF = 1e-8
 SOON_AFTER_START = 1e-3
 """An event condition that is zero at the start is evaluated again after this share of the time."""
 
-SETTLED_START = 1e-9
-"""Held deformations of a driven start are met within this share of the mechanism's extent, or radians."""
-
 MOVED_START = 1e-6
 """Drives that move the start by less than this share of the extent, or of the largest rate, are not reported."""
 
@@ -249,9 +266,6 @@ VIBRATES_ABOVE_SHIFT = 1e-6
 LANCZOS_CONVERGED = 1e-4
 """Change of a motion by one more Lanczos iteration. The error of an eigenvalue is its square."""
 
-INDEFINITE_FLEXIBILITY = 1e-10
-"""A flexibility below minus this share of the largest is negative; nearer to zero it is round-off of a stiff motion."""
-
 COUNTED_BEFORE_LAST = 1e-6
 """Eigenvalues are counted up to this share before the last that was found."""
 
@@ -277,9 +291,6 @@ tried."""
 EIGENVALUES_APART = 1e4
 """Iterations alone separate eigenvalues at least this factor apart. Together, the round-off of the larger would be the
 error of the smaller."""
-
-NEGATIVE_MASS = 1e-10
-"""A mass is negative below minus this share of the largest, or of the own entry of its coordinate."""
 
 DEFINITE_STIFFNESS = 1e-14
 """A stiffness needs no shift if its lowest eigenvalue is above this share of |K|/|M|."""
@@ -343,15 +354,9 @@ BESIDE_POLE = 1e-7
 
 # --- control ----------------------------------------------------------------------------------------------------------
 
-BOUNDED_ROUND_OFF = 1e-14
-"""Round-off of a sum over the bound of its terms in degrees of freedom."""
-
 COUPLED_MODES = 1e-8
 """Damping couples two modes if the matrix between them exceeds this share of the mean of their own entries. It is far
 above round-off and far below what a response would show."""
-
-COUPLED_BY_ROUND_OFF = 1e-14
-"""Round-off of damping between modes, over the largest entry."""
 
 RESONANCE_HIT = 16 * 2.0**-52
 """A resonance is hit if stiffness minus inertia is below this share of both: 16 times round-off."""
@@ -435,12 +440,6 @@ JUMP_OF_PHASE = 0.1
 LEVEL_AT_REST = 0.01
 """A response near rest is constant if its size differs by less than this share from that at twice the rate."""
 
-LOST_DAMPING = 0.01
-"""Error of responses without the damping of massless motions that is reported."""
-
-TRUNCATION_ERROR = 0.01
-"""Error of a truncated state space that is reported."""
-
 # --- paths ------------------------------------------------------------------------------------------------------------
 
 SOFT_SIGN = 1e-8
@@ -467,9 +466,6 @@ SMALL_IMPERFECTION = 1e-4
 
 CRITICAL_RESIDUAL = 1e-7
 """Residual of a motion of a critical value; the error of the value is its square."""
-
-REGULAR_TANGENT = 1e-13
-"""Shift that makes an exactly singular tangent regular, over its largest entry."""
 
 SETTLED_MOTION = 1e-5
 """Flexibility times residual of a motion over the motion. The error of the value is its square."""
@@ -568,9 +564,6 @@ CONFIGURATION_STEP = 0.2
 SETTLED_CONFIGURATION = 1e-10
 """Last correction of a configuration, over the extent, or in radians."""
 
-CONSTRAINTS_MET = 1e-9
-"""Largest error of the constraints, over the size of their parts for the whole extent."""
-
 FOLDED_MECHANISM = 1e5
 """Largest motion by a change of the constraints, over that of the undeformed mechanism. A crank that is a share y of
 its length from its dead point is moved some 1/y times as far, and round-off of its velocity is that over y^2."""
@@ -664,10 +657,6 @@ stiffnesses are far apart and rows that change places would fill the factors."""
 BACKWARD_ERROR = 1e-10
 """Largest residual of a solution over itself and the right-hand side, in scaled equations. Beyond, rows change."""
 
-SUPPORTED = 1e-13
-"""Stiffness that every coordinate gets, over the largest, so that a singular matrix can be factored: just above
-round-off."""
-
 REFINED = 1e-13
 """A correction this small beside the solution ends iterative refinement: it is round-off."""
 
@@ -751,10 +740,6 @@ PHASE_OF_MINUS_180 = 1e-3
 REPEATED_ANSWER = 1e-6
 """Two frequencies, load multipliers or stresses are repeated within this share: one alone has no derivative there."""
 
-SAME_ANSWER = 1e-6
-"""A compiled function belongs to the drawn mechanism if its answer agrees up to this share. Beyond, more than numbers
-has changed since it was compiled."""
-
 TARGET_MET = 1e-9
 """A target is met if its answer misses it by this share at most."""
 
@@ -825,9 +810,6 @@ LIMIT_EXTREME = 1e-4
 LIMIT_ENDS = 0.01
 """The last stroke with an equilibrium is located to this share of the given stroke."""
 
-NO_DIRECTION = 1e-9
-"""A direction of deformations is lost if its singular value is below this share of the largest."""
-
 NEAR_RESONANCE = 0.1
 """Transfer functions are compared beyond this relative distance from resonances, where small shifts change them much.
 Our choice."""
@@ -837,10 +819,6 @@ ZERO_FREQUENCY_OF_BAND = 1e-9
 
 NEAR_BAND = 2.0
 """Vibrations of a beam between its ends matter up to this multiple of the bandwidth. Our choice."""
-
-SAME_STORED = 1e-6
-"""Stored answers belong to a sweep if they agree up to this share of the largest. Our choice: beyond round-off times
-the condition of a leaf spring."""
 
 # --- spacar ---------------------------------------------------------------------------------------------------------
 
@@ -889,9 +867,6 @@ WORST_MAC = 0.5
 UNDETERMINED_SHARE = 12**-0.5
 """Standard deviation of a combination of parameters over the distance of their bounds. Beyond, data tell no more than
 the bounds: a uniform distribution between them has this deviation."""
-
-ZERO_SLOPE = 1e-9
-"""A singular value of weighted slopes below this share of the largest is zero: round-off of slopes is 1e-10."""
 
 PART_IN_COMBINATION = 0.02
 """A parameter with less than this part in a direction does not belong to the combination."""

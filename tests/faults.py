@@ -3795,7 +3795,7 @@ FAULTS = [
         "xp.abs(way)",
         "trajectory/test_laws.py -k nowhere",
     ),
-    Fault("control/state_space.py", "if not off < LOST_DAMPING", "if off < 0", "control/test_state_space.py -k word"),
+    Fault("control/state_space.py", "if not off < REPORTED_ERROR", "if off < 0", "control/test_state_space.py -k word"),
     Fault("motion/drives_by_name.py", "weight * function(t)", "function(t)", "motion/test_loop.py -k actuator"),
     Fault(
         "cli.py",

@@ -19,7 +19,7 @@ from ..math.by_deformations import forces, refined_solution, saddle_product
 from ..math.element_matrices import AssembledEquations, ElementMatrices
 from ..math.linear import diagonal_of, pencil, unit_scale
 from ..numerical_limits import (
-    COUPLED_BY_ROUND_OFF,
+    BOUNDED_ROUND_OFF,
     COUPLED_MODES,
     RESONANCE_HIT,
     RESONANT_SOLUTION,
@@ -157,7 +157,7 @@ def _refined(
 
 def _is_coupled(matrix: Float[Array, "n n"]) -> Any:
     sizes = jnp.abs(diagonal_of(matrix))
-    allowed = COUPLED_MODES * jnp.sqrt(sizes[:, None] * sizes) + COUPLED_BY_ROUND_OFF * jnp.max(sizes, initial=0.0)
+    allowed = COUPLED_MODES * jnp.sqrt(sizes[:, None] * sizes) + BOUNDED_ROUND_OFF * jnp.max(sizes, initial=0.0)
     return jnp.any((jnp.abs(matrix) > allowed) & ~np.eye(len(matrix), dtype=bool))
 
 

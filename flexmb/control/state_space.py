@@ -21,7 +21,7 @@ from ..math.linear_solver import LinearSolver
 from ..mechanics.signals import combined, terms_of
 from ..model.model import MOTIONS, Model
 from ..model.topology import coordinate_scales
-from ..numerical_limits import LOST_DAMPING, NEGLIGIBLE, ROUND_OFF
+from ..numerical_limits import NEGLIGIBLE, REPORTED_ERROR, ROUND_OFF
 from ..results import RESULTS
 from ..statics.equilibrium import Equilibrium
 from ..statics.solver_choice import asked_solver
@@ -319,7 +319,7 @@ def _warn_of_lost_damping(lin: Linearization, form: SecondOrder, matrices: State
         return
     sizes = np.maximum(np.abs(right), 1e-9 * np.max(np.abs(right), axis=0))
     off = np.max(np.abs(np.subtract(by_states, right)) / np.where(sizes > 0, sizes, 1.0))
-    if not off < LOST_DAMPING:
+    if not off < REPORTED_ERROR:
         warn(
             f"The motion of {name} carries no mass but is damped. A state space neglects this damping: responses and"
             f" poles are wrong by up to {100 * off:.2g} %. fm.poles, fm.frequency_response and a noise budget in a band"

@@ -16,7 +16,7 @@ from ..linear.spectrum import shift_to_definite, spectrum, to_frequency
 from ..math.by_deformations import motions_from_free
 from ..math.element_matrices import matrix_times, quadratic_form
 from ..math.linear import factorise
-from ..numerical_limits import FREE_POLE, NEGLIGIBLE, TRUNCATION_ERROR
+from ..numerical_limits import FREE_POLE, NEGLIGIBLE, REPORTED_ERROR
 from .harmonic import solutions
 from .second_order_form import LargeSecondOrder, SecondOrder, large_second_order
 
@@ -260,7 +260,7 @@ def error_of(
     usual = np.maximum(size, np.array([np.median(size[row], axis=0) for row in same_octave]))
     errors = np.where(np.max(size, axis=0) <= least, 0.0, difference / np.where(usual > 0, usual, 1.0))
     error = np.max(errors, axis=0, initial=0.0)
-    if np.max(error, initial=0.0) > TRUNCATION_ERROR:
+    if np.max(error, initial=0.0) > REPORTED_ERROR:
         # The first of several values that are equal but for round-off, such as of velocity and acceleration.
         at, y, u = np.unravel_index(np.argmax(errors >= (1 - 1e-9) * np.max(errors)), errors.shape)
         output, source = lin.labels.outputs[y].name, lin.labels.inputs[u].name

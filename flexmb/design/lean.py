@@ -17,7 +17,7 @@ from ..errors import AnalysisError, ModelError, printable, warn
 from ..linear.linearize import Linearization, linearize
 from ..linear.modes import modes
 from ..model.model import Model
-from ..numerical_limits import HIDDEN, NEGLIGIBLE_SHARE, NO_DIRECTION, NO_MOTION, ROUND_OFF, SAME_DIRECTIONS
+from ..numerical_limits import HIDDEN, NEGLIGIBLE, NEGLIGIBLE_SHARE, NO_MOTION, ROUND_OFF, SAME_DIRECTIONS
 from ..questions.question import asked
 from .designs import float_array
 from .leanness import Deviation, Response, check_question, deviation, in_band, largest_deviation, response
@@ -317,7 +317,7 @@ def _decide(model: Model, states: list[Linearization], kept_motions: list[np.nda
             nulls = [null @ np.linalg.svd(row[None])[2][1:].T for row, null in zip(left, nulls, strict=True)]
     remaining = np.setdiff1d(np.arange(len(free)), fixed)
     basis, sizes, _ = np.linalg.svd(rows[0][remaining] @ nulls[0], full_matrices=False)
-    basis = basis[:, sizes > NO_DIRECTION * np.max(sizes, initial=0.0)]
+    basis = basis[:, sizes > NEGLIGIBLE * np.max(sizes, initial=0.0)]
     patterns = []
     for a, z, lin in zip(rows, kept_motions, states, strict=True):
         pattern = basis.T @ (a[remaining] @ z)

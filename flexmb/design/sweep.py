@@ -14,7 +14,7 @@ from ..arguments import ByName, Count, checked
 from ..compilation.compile import unguarded
 from ..errors import printable, warn
 from ..model.model import Model
-from ..numerical_limits import SAME_STORED
+from ..numerical_limits import SAME_ANSWER
 from ..progress import reporting
 from ..results import ANSWERED, RESULTS
 from .checkpoint import Checkpoint, checkpoint_error
@@ -178,7 +178,7 @@ def _check_stored(
         scale = np.max(np.abs(before), initial=0.0, where=np.isfinite(before))
         alike = len(good) == 0 or before.shape == recomputed.shape
         if not alike or not np.allclose(
-            recomputed[good], before[good], rtol=0, atol=SAME_STORED * scale, equal_nan=True
+            recomputed[good], before[good], rtol=0, atol=SAME_ANSWER * scale, equal_nan=True
         ):
             raise checkpoint_error(
                 stored.path, f"belongs to another sweep: answer '{printable(name)}' of some designs is another"

@@ -14,7 +14,7 @@ from ..compilation.by_meaning import jit
 from ..design.evaluate import Layout, build_once, flat_function, with_slopes
 from ..design.problem import Scaling
 from ..errors import AnalysisError
-from ..numerical_limits import PART_IN_COMBINATION, SETTLED_COST, SETTLED_PARAMETERS, UNDETERMINED_SHARE, ZERO_SLOPE
+from ..numerical_limits import NEGLIGIBLE, PART_IN_COMBINATION, SETTLED_COST, SETTLED_PARAMETERS, UNDETERMINED_SHARE
 from ..results import ANSWERED, RESULTS
 from .measurement import Measured, in_deviations, predicted
 
@@ -274,7 +274,7 @@ def directions(slopes: np.ndarray, noise: float) -> tuple[np.ndarray, np.ndarray
     n = slopes.shape[1]
     _, singular, rows = np.linalg.svd(slopes, full_matrices=True)
     singular = np.concatenate([singular, np.zeros(n - len(singular))])
-    zero = singular <= ZERO_SLOPE * max(singular[0], np.finfo(float).tiny)
+    zero = singular <= NEGLIGIBLE * max(singular[0], np.finfo(float).tiny)
     with np.errstate(divide="ignore"):
         deviations = np.where(zero, np.inf, noise / np.where(zero, 1.0, singular))
     return deviations, rows.T, deviations > UNDETERMINED_SHARE

@@ -26,10 +26,9 @@ from ..numerical_limits import (
     EIGENVALUES_APART,
     FIRST_SHIFT,
     GOOD_MOTION,
-    INDEFINITE_FLEXIBILITY,
     LANCZOS_CONVERGED,
     MASSLESS_SHARE,
-    NEGATIVE_MASS,
+    NEGATIVE_BY_ROUND_OFF,
     ROUGH_EIGENVALUE,
 )
 from ..results import RESULTS
@@ -114,7 +113,7 @@ class Constrained:
         moved = factored.solve(np.vstack([basis / scale[:n, None], np.zeros((h, n - h))]))[:n]
         flexible = basis.T @ (moved / scale[:n, None])
         values, turned = np.linalg.eigh((flexible + flexible.T) / 2)
-        if len(values) and not values[0] > -INDEFINITE_FLEXIBILITY * values[-1]:
+        if len(values) and not values[0] > -NEGATIVE_BY_ROUND_OFF * values[-1]:
             raise np.linalg.LinAlgError("not positive definite")
         # Zero for motions so stiff that their flexibility is round-off.
         roots, basis = turned * np.sqrt(np.maximum(values, 0.0)), scale[:n, None] * basis
@@ -275,7 +274,7 @@ def refuse_negative_masses(whole: AssembledEquations) -> None:
 
     try:
         for *_, m in whole.elements.mass:
-            least = NEGATIVE_MASS * np.max(np.abs(m), axis=(1, 2), initial=0.0) + np.finfo(float).tiny
+            least = NEGATIVE_BY_ROUND_OFF * np.max(np.abs(m), axis=(1, 2), initial=0.0) + np.finfo(float).tiny
             np.linalg.cholesky(m + least[:, None, None] * np.eye(m.shape[1]))
     except np.linalg.LinAlgError:
         pass
@@ -283,7 +282,7 @@ def refuse_negative_masses(whole: AssembledEquations) -> None:
         return
     mass, n = whole.mass, whole.n
     size, rows = np.abs(mass.diagonal()), whole.constraints
-    some = NEGATIVE_MASS * np.where(size > 0, size, np.max(size, initial=0.0))
+    some = NEGATIVE_BY_ROUND_OFF * np.where(size > 0, size, np.max(size, initial=0.0))
     matrix = scipy.sparse.block_array([[mass + scipy.sparse.diags_array(some), rows.T], [rows, None]]).tocsc()
     if negative_under_constraints(matrix, SparseFactors(matrix), n) != 0:
         raise AnalysisError(RESULTS.singular_mass.name, RESULTS.singular_mass.message)

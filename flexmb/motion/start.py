@@ -14,7 +14,7 @@ from ..errors import warn
 from ..math.indices import put
 from ..mechanics.deformation import correction, deformation_jacobian, transfer
 from ..model.topology import Parameters, coordinate_scales
-from ..numerical_limits import CONFIGURATION_STEP, MOVED_START, SETTLED_START
+from ..numerical_limits import CONFIGURATION_STEP, CONSTRAINTS_MET, MOVED_START
 from .coordinates_form import CoordinatesForm
 from .drive import Driven
 from .motion import Motion
@@ -99,7 +99,7 @@ def driven_start(form: CoordinatesForm, t: Float[Array, ""], given: Start) -> tu
     off = jnp.max(jnp.abs(e[form.held] - at.e), initial=0.0)
     largest = jnp.max(coordinate_scales(form.topology, form.parameters), initial=1.0)
     v = rates_at(form, at, transfer(form.topology, jacobian), jacobian, state.w * reduced.sizes)
-    met = (off <= SETTLED_START * largest) & jnp.all(jnp.isfinite(x)) & jnp.all(jnp.isfinite(v))
+    met = (off <= CONSTRAINTS_MET * largest) & jnp.all(jnp.isfinite(x)) & jnp.all(jnp.isfinite(v))
     return Start(x, v, last_strain), met
 
 

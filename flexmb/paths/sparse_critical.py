@@ -9,7 +9,7 @@ from ..errors import AnalysisError
 from ..linear.sparse_spectrum import explained_failures
 from ..math.linear import uneven
 from ..math.sparse import SparseFactors, negative_under_constraints
-from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, REGULAR_TANGENT, SETTLED_MOTION
+from ..numerical_limits import CRITICAL_RESIDUAL, DOUBTED_SIGN, LOST_MOTION, SETTLED_MOTION, SUPPORTED
 from ..results import RESULTS
 
 # Number of critical values that are computed, nearest to zero.
@@ -53,7 +53,7 @@ def critical_values_of(
     if every <= 2 * BASIS:
         return _critical_values(*_all_of(tangent, sizes), 0)
     if not factored.regular:
-        shift = REGULAR_TANGENT * abs(tangent).max()
+        shift = SUPPORTED * abs(tangent).max()
         factored = shifted(tangent, shift, sizes)
     negative = negative_under_constraints(tangent, factored, len(sizes))
 
