@@ -21,7 +21,9 @@ from .description import Description, Member
 
 # Numbers of a section and of dampers that resist deformation, in alphabetical order.
 RESISTING = {"section": ("EA", "EIy", "EIz", "GIt"), "damping": ("EA", "EIy", "EIz", "GAy", "GAz", "GIt")}
-RESISTS = {"stiffness": "resists", "damping": "damps"}
+RESISTS = {"section": "resists", "damping": "damps"}
+# Companion that these numbers serve.
+KINDS = {"section": "stiffness", "damping": "damping"}
 
 
 def warn_of_idle(builder: Description) -> None:
@@ -87,55 +89,54 @@ def _warn_of_other_numbers(builder: Description) -> None:
     for name, member in builder.members.items():
         element = member.element
         free = tuple(i for i, role in enumerate(member.roles) if role not in HELD)
-        for key, kind in (("section", "stiffness"), ("damping", "damping")):
+        for key in KINDS:
             numbers = member.properties.get(key)
-            if not isinstance(numbers, Rigidity | Damping) or (element, id(numbers), free) in reported:
+            seen = element, id(numbers), free
+            if not isinstance(numbers, Rigidity | Damping) or seen in reported or not is_concrete(numbers):
                 continue
-            reported.add((element, id(numbers), free))
-            if not is_concrete(numbers):
-                continue
+            reported.add(seen)
             stated = {entry for entry in RESISTING[key] if np.any(np.asarray(getattr(numbers, entry)) != 0)}
             if len(stated) in (0, len(RESISTING[key])):
                 continue
-            if (element, kind) not in used:
-                used[element, kind] = _used(member, key, kind)
-            every = used[element, kind]
+            if (element, key) not in used:
+                used[element, key] = _used(member, key)
+            every = used[element, key]
             idle, missing = stated - every, every - stated
             if missing and every & stated and 0 < len(free) < len(member.roles):
                 present = frozenset(n for n, value in member.properties.items() if value is not None)
-                alike = element, kind, frozenset(stated), present
+                alike = element, key, frozenset(stated), present
                 if alike not in resisted:
-                    resisted[alike] = _resisted(builder, member, key, kind, [{}])
+                    resisted[alike] = _resisted(builder, member, key, [{}])
                 if resisted[alike] is not None:
                     acting = [entry for entry in RESISTING[key] if entry in every & stated]
-                    _warn_of_constrained(name, element.name, key, kind, acting, resisted[alike][0] != 0, free)
+                    _warn_of_constrained(name, member, key, acting, resisted[alike][0] != 0, free)
             lacking = [entry for entry in RESISTING[key] if entry in missing] if idle else []
-            lacking = [entry for entry in lacking if _is_lacked(builder, member, key, kind, entry, free)]
+            lacking = [entry for entry in lacking if _is_lacked(builder, member, key, entry, free)]
             if lacking:
                 unused, uses = (", ".join(entry for entry in RESISTING[key] if entry in some) for some in (idle, every))
                 warn(
                     f"{key.capitalize()} of element '{name}' ({element.name}): without {', '.join(lacking)}, nothing"
-                    f" {RESISTS[kind]} some of its free deformations. The element uses {uses}. It does not use"
+                    f" {RESISTS[key]} some of its free deformations. The element uses {uses}. It does not use"
                     f" {unused}."
                 )
 
 
-def _matrix(element: Element, kind: str, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
+def _matrix(element: Element, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
     """Stiffness or damping of an element with other numbers."""
-    companion: Any = getattr(element, kind)
+    companion: Any = getattr(element, KINDS[key])
     changed = dataclasses.replace(arguments[key], **numbers)
     return companion(ref=element.reference(places), **{**arguments, key: changed})
 
 
 @jit_beside_options
 def _diagonals(
-    element: Element, kind: str, key: str, numbers: list[dict[str, Any]], arguments: Any, places: list[Any]
+    element: Element, key: str, numbers: list[dict[str, Any]], arguments: Any, places: list[Any]
 ) -> list[Float[Array, "n_e"]]:
     """Diagonals of such matrices, in one program instead of one per operation."""
-    return [jnp.diagonal(_matrix(element, kind, key, values, arguments, places)) for values in numbers]
+    return [jnp.diagonal(_matrix(element, key, values, arguments, places)) for values in numbers]
 
 
-def _used(member: Member, key: str, kind: str) -> set[str]:
+def _used(member: Member, key: str) -> set[str]:
     """Numbers of a section or of dampers that enter a matrix of an element; none if other functions use them too."""
     element = member.element
     takes = [
@@ -143,11 +144,11 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
         for companion in (*ELASTIC, "damping", "dissipation")
         if key in (element.arguments(getattr(element, companion), member.properties) or ())
     ]
-    if takes != [kind]:
+    if takes != [KINDS[key]]:
         return set()
     places = [np.zeros(len(node.start)) for node in element.nodes.values()]
-    arguments = element.arguments(getattr(element, kind), member.properties)
-    matrix = functools.partial(_matrix, element, kind, key, arguments=arguments)
+    arguments = element.arguments(getattr(element, KINDS[key]), member.properties)
+    matrix = functools.partial(_matrix, element, key, arguments=arguments)
     program = jax.make_jaxpr(matrix)(dict.fromkeys(RESISTING[key], 1.0), places=places).jaxpr
     # The first variables are the numbers: JAX orders a dictionary by its keys, in the order of RESISTING.
     entering = {id(variable) for equation in program.eqns for variable in equation.invars}
@@ -155,34 +156,28 @@ def _used(member: Member, key: str, kind: str) -> set[str]:
 
 
 def _warn_of_constrained(
-    name: str,
-    type_name: str,
-    key: str,
-    kind: str,
-    names: list[str],
-    resisted: Bool[np.ndarray, "n_e"],
-    free: tuple[int, ...],
+    name: str, member: Member, key: str, names: list[str], resisted: Bool[np.ndarray, "n_e"], free: tuple[int, ...]
 ) -> None:
     """Warn if the numbers of an element act only on constrained deformations."""
     if not np.any(resisted) or np.any(resisted[list(free)]):
         return
     numbers = [str(i + 1) for i in np.flatnonzero(resisted)]
     which = f"deformation{'s' * (len(numbers) > 1)} {', '.join(numbers)}"
-    acts, has = (RESISTS[kind].removesuffix("s"), "have") if names[1:] else (RESISTS[kind], "has")
+    acts, has = (RESISTS[key].removesuffix("s"), "have") if names[1:] else (RESISTS[key], "has")
     warn(
-        f"{key.capitalize()} of element '{name}' ({type_name}): {', '.join(names)} {acts} only {which}, which"
+        f"{key.capitalize()} of element '{name}' ({member.element.name}): {', '.join(names)} {acts} only {which}, which"
         f" {'are' if numbers[1:] else 'is'} constrained here. {', '.join(names)} {has} no effect. Release {which}, or"
-        f" give a number that {RESISTS[kind]} a free deformation.",
+        f" give a number that {RESISTS[key]} a free deformation.",
         IdleWarning,
     )
 
 
 def _resisted(
-    builder: Description, member: Member, key: str, kind: str, numbers: list[dict[str, Any]]
+    builder: Description, member: Member, key: str, numbers: list[dict[str, Any]]
 ) -> Float[np.ndarray, "n n_e"] | None:
     """Diagonals of a matrix of an element with changed numbers; None if not all are known."""
     starts = [builder.nodes[node].start for node in member.nodes]
-    arguments = member.element.arguments(getattr(member.element, kind), member.properties)
+    arguments = member.element.arguments(getattr(member.element, KINDS[key]), member.properties)
     if not is_concrete((starts, arguments)):
         return None
     places = [np.asarray(start, float) for start in starts]
@@ -190,13 +185,13 @@ def _resisted(
     every = [{entry: np.asarray(value, float) for entry, value in (stated | more).items()} for more in numbers]
     # Properties other than arrays select code.
     arguments = jax.tree.map(lambda one: np.asarray(one) if isinstance(one, float) else one, arguments)
-    return np.asarray(_diagonals(member.element, kind, key, every, arguments, places))
+    return np.asarray(_diagonals(member.element, key, every, arguments, places))
 
 
-def _is_lacked(builder: Description, member: Member, key: str, kind: str, name: str, free: tuple[int, ...]) -> bool:
+def _is_lacked(builder: Description, member: Member, key: str, name: str, free: tuple[int, ...]) -> bool:
     """Whether a number would resist a free deformation that nothing resists."""
     value = getattr(member.properties[key], name)
-    diagonals = _resisted(builder, member, key, kind, [{name: value}, {name: value + 1.0}])
+    diagonals = _resisted(builder, member, key, [{name: value}, {name: value + 1.0}])
     if diagonals is None:
         return False
     without, beside = diagonals[:, list(free)]
