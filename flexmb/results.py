@@ -9,6 +9,12 @@ import functools
 import operator
 from typing import Any
 
+import jax
+import jax.core
+import jax.numpy as jnp
+import numpy as np
+
+from .arguments import check_flag, undifferentiated
 from .collecting import Collector
 from .errors import AnalysisError
 
@@ -209,11 +215,6 @@ def check(result: Any, throw: bool, about: str = "") -> None:
 
     Codes in ``ANSWERED`` are successes. ``throw=False`` does nothing. ``about`` is added to the message.
     """
-    import jax.core
-    import numpy as np
-
-    from .arguments import check_flag, undifferentiated
-
     check_flag("throw", throw)
     if not throw:
         return
@@ -236,9 +237,6 @@ def or_nan(answer: Any, result: Any, throw: bool = True, of: Any = ()) -> Any:
     Derivatives with respect to the numbers ``of`` are then NaN too. The answer is unchanged if codes are collected, and
     with ``throw=False``. For a batch of codes, each array has the batch as its first axis.
     """
-    import jax.core
-    import jax.numpy as jnp
-
     if not throw or not isinstance(result, jax.core.Tracer) or collects():
         return answer
     failed = functools.reduce(operator.and_, [result != int(code) for code in ANSWERED])
@@ -274,8 +272,6 @@ def collect(result: Any) -> None:
 
 def worst_of(codes: list[Any]) -> Any:
     """The first failure among codes, each () or a batch; without one, the worst outcome with an answer."""
-    import jax.numpy as jnp
-
     worst_code: Any = jnp.zeros((), jnp.int32)
     grade = worst_code
     for code in codes:
