@@ -927,8 +927,8 @@ FAULTS = [
     ),
     Fault(
         "build/dofs.py",
-        "replace(model.labels, found=names)",
-        "replace(model.labels)",
+        "labels=dataclasses.replace(model.labels, found=tuple(map(str, (*x, *e))))",
+        "labels=model.labels",
         "motion/test_start.py -k hangs_on",
         slow=True,
     ),
@@ -4697,7 +4697,7 @@ FAULTS = [
     Fault("build/dofs.py", "np.ndarray) and beside:", "np.ndarray):", "build/test_dofs.py -k serve_others"),
     Fault(
         "build/dofs.py",
-        "found=tuple(map(str, entries))",
+        "found=tuple(map(str, (*x, *e)))",
         "found=()",
         "build/test_dofs.py -k are_known_as_found",
     ),

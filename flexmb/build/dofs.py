@@ -12,7 +12,7 @@ from ..checks.mobility import Constraints, allowed_motions, constraints, mobilit
 from ..errors import MechanismError, ModelError, warn
 from ..math.subspace import above, determines, independent_rows, row_sizes
 from ..model.by_name import TURN_OF, TURNS, turn_of
-from ..model.model import MOTIONS, Model
+from ..model.model import MOTIONS, Entry, Model
 from ..model.topology import HELD
 from ..numerical_limits import CANNOT_MOVE, CLEARLY_INDEPENDENT, INDEPENDENT, TURNS_BACK
 from .assemble import assemble
@@ -37,19 +37,24 @@ def complete_model(builder: Description, model: Model, dofs: str, release: str) 
         report = mobility_of(model, constraint_set).report()
         raise MechanismError("overconstrained", f"The mechanism is over-constrained.\n{report}")
     if model.topology.n_q == 0 and dofs == "auto":
-        builder = with_started(builder).copy()
+        builder = with_started(builder)
         started = assemble(builder) if builder.dofs else model
         x, e = choose(started, motions, named_rows(started, motions, constraint_set), constraint_set)
-        for kind, entries, chosen in (("node", model.labels.x, x), ("element", model.labels.e, e)):
-            for i in chosen:
-                builder.dof(entries[i].of, entries[i].component, kind=kind)
-        names = (*(str(model.labels.x[i]) for i in x), *(str(model.labels.e[i]) for i in e))
-        model = assemble(builder)
-        _check_named(model, motions, constraint_set)
-        return dataclasses.replace(model, labels=dataclasses.replace(model.labels, found=names))
-    model = _with_coefficients(builder, model, motions)
+        model = _with_found(builder, [model.labels.x[i] for i in x], [model.labels.e[i] for i in e])
+    else:
+        model = _with_coefficients(builder, model, motions)
     _check_named(model, motions, constraint_set)
     return model
+
+
+def _with_found(builder: Description, x: list[Entry], e: list[Entry]) -> Model:
+    """The model of a builder with further degrees of freedom, which its labels name as found."""
+    builder = builder.copy()
+    for kind, entries in (("node", x), ("element", e)):
+        for entry in entries:
+            builder.dof(entry.of, entry.component, kind=kind)
+    model = assemble(builder)
+    return dataclasses.replace(model, labels=dataclasses.replace(model.labels, found=tuple(map(str, (*x, *e)))))
 
 
 def with_started(builder: Description) -> Description:
@@ -138,12 +143,7 @@ def _with_coefficients(builder: Description, model: Model, motions: Any) -> Mode
     chosen, _ = _independent(model, candidates, effects, undetermined, missing, rows.shape[0] > 0)
     if len(chosen) < missing:
         return model
-    builder = builder.copy()
-    entries = [model.labels.e[i] for i in sorted(chosen)]
-    for entry in entries:
-        builder.dof(entry.of, entry.component, kind="element")
-    completed = assemble(builder)
-    return dataclasses.replace(completed, labels=dataclasses.replace(completed.labels, found=tuple(map(str, entries))))
+    return _with_found(builder, [], [model.labels.e[i] for i in sorted(chosen)])
 
 
 def _independent(
