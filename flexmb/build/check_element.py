@@ -93,203 +93,6 @@ def check_element(element: Any, *, apart: float = 1.0, **properties: Any) -> Ele
     return ElementCheck(name, count, {law: value for law, (value, _) in laws.items()})
 
 
-class _Tried:
-    """States of an element, and the answers of its functions there."""
-
-    def __init__(self, element: Element, properties: dict[str, Any], count: int, apart: float):
-        self.element, self.count = element, count
-        options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
-        numbers = {k: v for k, v in properties.items() if not is_option(v)}
-        self.numbers = jax.tree.map(lambda leaf: np.asarray(leaf, float), numbers)
-        self.kinds = list(element.nodes.values())
-        random = np.random.default_rng(0)
-        pairs = [(random_element(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
-        self.states = [ElementState(moved_nodes(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
-        self.references = [i for i, (_, away) in enumerate(pairs) if not away]
-        arguments = element.arguments(element.check, properties) or {}
-        for state in [self.states[i] for i in self.references] if element.check is not None else ():
-            for fault in element.check(ref=element.reference(state.ref), **arguments):
-                raise ModelError(f"Element type '{element.name}' {fault}.")
-        turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
-        rigid = [
-            ElementState(rigid_motion(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)
-        ]
-        self.turns = [turn for turn, _ in turns]
-        points = [self._flat(state) for state in self.states]
-        # Each number is scaled by its own size; coordinates, and numbers that are zero, by usual sizes.
-        self.sizes = self._flat(ElementState(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
-        ways = random.standard_normal((len(points), len(points[0]))) * self.sizes
-        batch = [*points, *map(self._flat, rigid)]
-        steps = [p + sign * STEP * way for sign in (1, -1) for p, way in zip(points, ways, strict=True)]
-        along = np.concatenate([ways, np.zeros((len(rigid), ways.shape[1])), ways, ways])
-        shapes = tuple(np.shape(leaf) for leaf in jax.tree.leaves(self._tree(self.states[0])))
-        structure = jax.tree.structure(self._tree(self.states[0]))
-        run, self.shapes = compiled_functions(element, count, options, structure, shapes)
-        answers = jax.tree.map(np.asarray, run(np.stack([*batch, *steps]), along))
-        self.along = ways
-        n = len(points)
-        self.here, self.rigid, self.plus, self.minus = (
-            jax.tree.map(lambda leaf, i=i: leaf[i * n : (i + 1) * n], answers) for i in range(4)
-        )
-
-    def _tree(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Any:
-        return [np.asarray(v, float) for v in state.x], list(state.ref), jax.tree.map(change, self.numbers)
-
-    def _flat(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
-        return np.asarray(ravel_pytree(self._tree(state, change))[0])
-
-    # -- the laws -------------------------------------------------------------------------------------------------
-
-    def laws(self) -> Iterator[tuple[str, tuple[float, str]]]:
-        """Each law that applies, its largest deviation, and a fault if that is too large."""
-        if fault := self._not_finite():
-            # Other laws cannot be tested then.
-            yield "finite", (np.inf, fault)
-            return
-        if self.count:
-            yield ZERO, self._zero()
-            if not self.element.grounded:
-                yield RIGID, self._rigid()
-        yield SMOOTH, self._first()
-        yield TWICE, self._second()
-        for kind in SLOPES:
-            if kind in self.shapes:
-                yield SLOPES[kind], self._slope(kind)
-        if named := [n for n in ("stiffness", "damping") if n in self.shapes]:
-            yield SYMMETRIC, self._symmetric(named)
-        if "mass" in self.here:
-            yield MASS, self._semidefinite()
-            yield KINETIC, self._kinetic()
-
-    def _answer(self, answers: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
-        """Numbers of an answer in all states, (states, n)."""
-        return answers[kind][:, self.shapes[name]]
-
-    def _where(self, state: int) -> str:
-        return ("in the undeformed mechanism", "near the undeformed mechanism", "away from it")[state % len(AWAY)]
-
-    def _not_finite(self) -> str:
-        for kind, noun in (("value", "number"), ("forward", "first derivative"), ("second", "second derivative")):
-            slices = self.shapes if kind != "second" else {"functions": slice(None)}
-            for i in range(len(self.states)):
-                for name, columns in slices.items():
-                    if not np.all(np.isfinite(self.here[kind][i, columns])):
-                        return f"a {noun} of its {name} is not finite {self._where(i)}. Rewrite it so that it is finite"
-        if not np.all(np.isfinite(self.here["reverse"])):
-            return (
-                "a derivative is not finite in reverse mode, although it is in forward mode: a square root of zero, or"
-                " a division"
-            )
-        return ""
-
-    def _zero(self) -> tuple[float, str]:
-        e = self._answer(self.here, "deformations")
-        largest = np.max(np.abs(e), axis=0)
-        if still := [str(i + 1) for i in np.flatnonzero(largest == 0)]:
-            return np.inf, f"deformation {', '.join(still)} is zero for all coordinates"
-        ratios = np.abs(e[self.references]) / largest
-        value, worst = float(ratios.max()), int(np.argmax(ratios.max(axis=0)))
-        number = float(np.max(np.abs(e[self.references][:, worst])))
-        fault = (
-            f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, given as `ref`, but must be zero"
-            " there"
-        )
-        return value, fault if value > ELEMENT_LAW else ""
-
-    def _rigid(self) -> tuple[float, str]:
-        e, e_moved = (self._answer(values, "deformations") for values in (self.here, self.rigid))
-        errors = np.abs(e_moved - e) / (np.max(np.abs(e), axis=0) + TINY)
-        value, worst = float(errors.max()), int(np.argmax(errors.max(axis=0)))
-        number = float(np.max(np.abs(e_moved - e)[:, worst]))
-        fault = (
-            f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole element, but must not"
-            " change: measure vectors in axes that turn with the element, and rotations relative to each other"
-        )
-        return value, fault if value > ELEMENT_LAW else ""
-
-    def _first(self) -> tuple[float, str]:
-        forward = self.here["forward"]
-        # Largest size of the same answer and of its derivatives, for each number.
-        scales = np.zeros(forward.shape[1])
-        for columns in self.shapes.values():
-            scales[columns] = max(np.max(np.abs(self.here[k][:, columns]), initial=0.0) for k in ("value", "forward"))
-        scales = np.where(scales > 0, scales, 1.0)
-        central = (self.plus["value"] - self.minus["value"]) / (2 * STEP)
-        errors = np.abs(central - forward) / scales
-        own_weights = weights(forward.shape[1])
-        for name in self.shapes.keys() & {*KINKED}:
-            errors[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
-        reverse = np.sum(self.here["reverse"] * self.along, axis=1)
-        reverse_errors = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
-        fault = self._named(errors, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
-        if not fault and np.max(reverse_errors) > ELEMENT_LAW:
-            fault = "its derivatives in reverse mode are not those in forward mode"
-        return float(max(errors.max(initial=0.0), reverse_errors.max(initial=0.0))), fault
-
-    def _second(self) -> tuple[float, str]:
-        second = self.here["second"]
-        central = (self.plus["reverse"] - self.minus["reverse"]) / (2 * STEP)
-        scale = max(np.max(np.abs(values * self.sizes)) for values in (second, self.here["reverse"])) or 1.0
-        errors = np.abs(central - second) * self.sizes / scale
-        value = float(errors.max())
-        where = self._where(int(np.argmax(errors.max(axis=1))))
-        fault = (
-            f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
-        )
-        return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > ELEMENT_DIFFERENCE)
-
-    def _named(self, errors: np.ndarray, most: float, text: str) -> str:
-        """Fault of the answer that deviates most; empty if none deviates too much."""
-        if not errors.size or errors.max() <= most:
-            return ""
-        state, column = np.unravel_index(int(np.argmax(errors)), errors.shape)
-        name, columns = next((n, s) for n, s in self.shapes.items() if s.start <= column < s.stop)
-        about = f"deformation {column - columns.start + 1}" if name == "deformations" else f"its {name}"
-        return text.format(about, self._where(int(state)))
-
-    def _slope(self, kind: str) -> tuple[float, str]:
-        slope, differences = self.here[f"{kind} slope"], self.here[f"{kind} differences"]
-        scale = max(np.max(np.abs(slope)), np.max(np.abs(differences))) or 1.0
-        value = float(np.max(np.abs(slope - differences)) / scale)
-        fault = f"the derivative of its {kind} is not that of its differences"
-        return value, fault if value > POTENTIAL_DIFFERENCE else ""
-
-    def _symmetric(self, named: list[str]) -> tuple[float, str]:
-        value, fault = 0.0, ""
-        for name in named:
-            matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
-            scale = np.max(np.abs(matrices)) or 1.0
-            asymmetry = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
-            value = max(value, asymmetry)
-            if asymmetry > ELEMENT_LAW:
-                fault = fault or f"its {name} is not symmetric"
-        return value, fault
-
-    def _semidefinite(self) -> tuple[float, str]:
-        mass, h = self.here["mass"], self._answer(self.here, "H")
-        scale = np.max(np.abs(mass)) or 1.0
-        size = int(np.sqrt(h.shape[1]))
-        h = h.reshape(-1, size, size)
-        skew = float(np.max(np.abs(h - h.transpose(0, 2, 1))) / (np.max(np.abs(h)) or 1.0))
-        lowest = float(np.min(np.linalg.eigvalsh(mass)) / scale)
-        fault = "the matrix H of its inertia is not symmetric" if skew > ELEMENT_LAW else ""
-        if lowest < -ELEMENT_LAW:
-            fault = fault or "its mass matrix is not positive semidefinite: a motion has a negative kinetic energy"
-        return max(skew, -min(lowest, 0.0)), fault
-
-    def _kinetic(self) -> tuple[float, str]:
-        mass, value = self.here["mass"], 0.0
-        ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
-        for i, turn in enumerate(self.turns):
-            unmoved = (np.split(column, ends) for column in np.eye(mass.shape[1]))
-            moved = [rigid_motion(self.kinds, column, turn, np.zeros(3), rates=True) for column in unmoved]
-            turned = np.stack([np.concatenate(column) for column in moved], axis=1)
-            deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
-            value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))
-        fault = "its kinetic energy changes when the whole is turned or moved" if value > ELEMENT_LAW else ""
-        return value, fault
-
-
 # -- states of an element, and answers of its functions ----------------------------------------------------------------
 
 
@@ -443,3 +246,201 @@ def compiled_functions(element: Element, count: int, options: tuple, structure: 
     ends = np.cumsum([0, *(int(np.prod(part.shape)) for _, part in sorted(example.items()))]).tolist()
     slices = {name: slice(a, b) for name, a, b in zip(sorted(example), ends[:-1], ends[1:], strict=True)}
     return jit(jax.vmap(one)), slices
+
+
+# -- the laws -------------------------------------------------------------------------------------------------------
+
+
+class _Tried:
+    """States of an element, and the answers of its functions there."""
+
+    def __init__(self, element: Element, properties: dict[str, Any], count: int, apart: float):
+        self.element, self.count = element, count
+        options = tuple(sorted((k, v) for k, v in properties.items() if is_option(v)))
+        numbers = {k: v for k, v in properties.items() if not is_option(v)}
+        self.numbers = jax.tree.map(lambda leaf: np.asarray(leaf, float), numbers)
+        self.kinds = list(element.nodes.values())
+        random = np.random.default_rng(0)
+        pairs = [(random_element(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
+        self.states = [ElementState(moved_nodes(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
+        self.references = [i for i, (_, away) in enumerate(pairs) if not away]
+        arguments = element.arguments(element.check, properties) or {}
+        for state in [self.states[i] for i in self.references] if element.check is not None else ():
+            for fault in element.check(ref=element.reference(state.ref), **arguments):
+                raise ModelError(f"Element type '{element.name}' {fault}.")
+        turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
+        rigid = [
+            ElementState(rigid_motion(self.kinds, s.x, *t), s.ref) for s, t in zip(self.states, turns, strict=True)
+        ]
+        self.turns = [turn for turn, _ in turns]
+        points = [self._flat(state) for state in self.states]
+        # Each number is scaled by its own size; coordinates, and numbers that are zero, by usual sizes.
+        self.sizes = self._flat(ElementState(*(sizes(self.kinds, apart) for _ in range(2))), abs_or_one)
+        ways = random.standard_normal((len(points), len(points[0]))) * self.sizes
+        batch = [*points, *map(self._flat, rigid)]
+        steps = [p + sign * STEP * way for sign in (1, -1) for p, way in zip(points, ways, strict=True)]
+        along = np.concatenate([ways, np.zeros((len(rigid), ways.shape[1])), ways, ways])
+        shapes = tuple(np.shape(leaf) for leaf in jax.tree.leaves(self._tree(self.states[0])))
+        structure = jax.tree.structure(self._tree(self.states[0]))
+        run, self.shapes = compiled_functions(element, count, options, structure, shapes)
+        answers = jax.tree.map(np.asarray, run(np.stack([*batch, *steps]), along))
+        self.along = ways
+        n = len(points)
+        self.here, self.rigid, self.plus, self.minus = (
+            jax.tree.map(lambda leaf, i=i: leaf[i * n : (i + 1) * n], answers) for i in range(4)
+        )
+
+    def _tree(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> Any:
+        return [np.asarray(v, float) for v in state.x], list(state.ref), jax.tree.map(change, self.numbers)
+
+    def _flat(self, state: ElementState, change: Callable[[np.ndarray], np.ndarray] = np.asarray) -> np.ndarray:
+        return np.asarray(ravel_pytree(self._tree(state, change))[0])
+
+    def laws(self) -> Iterator[tuple[str, tuple[float, str]]]:
+        """Each law that applies, its largest deviation, and a fault if that is too large."""
+        if fault := self._not_finite():
+            # Other laws cannot be tested then.
+            yield "finite", (np.inf, fault)
+            return
+        if self.count:
+            yield ZERO, self._zero()
+            if not self.element.grounded:
+                yield RIGID, self._rigid()
+        yield SMOOTH, self._first()
+        yield TWICE, self._second()
+        for kind in SLOPES:
+            if kind in self.shapes:
+                yield SLOPES[kind], self._slope(kind)
+        if named := [n for n in ("stiffness", "damping") if n in self.shapes]:
+            yield SYMMETRIC, self._symmetric(named)
+        if "mass" in self.here:
+            yield MASS, self._semidefinite()
+            yield KINETIC, self._kinetic()
+
+    def _answer(self, answers: dict[str, Any], name: str, kind: str = "value") -> np.ndarray:
+        """Numbers of an answer in all states, (states, n)."""
+        return answers[kind][:, self.shapes[name]]
+
+    def _where(self, state: int) -> str:
+        return ("in the undeformed mechanism", "near the undeformed mechanism", "away from it")[state % len(AWAY)]
+
+    def _not_finite(self) -> str:
+        for kind, noun in (("value", "number"), ("forward", "first derivative"), ("second", "second derivative")):
+            slices = self.shapes if kind != "second" else {"functions": slice(None)}
+            for i in range(len(self.states)):
+                for name, columns in slices.items():
+                    if not np.all(np.isfinite(self.here[kind][i, columns])):
+                        return f"a {noun} of its {name} is not finite {self._where(i)}. Rewrite it so that it is finite"
+        if not np.all(np.isfinite(self.here["reverse"])):
+            return (
+                "a derivative is not finite in reverse mode, although it is in forward mode: a square root of zero, or"
+                " a division"
+            )
+        return ""
+
+    def _zero(self) -> tuple[float, str]:
+        e = self._answer(self.here, "deformations")
+        largest = np.max(np.abs(e), axis=0)
+        if still := [str(i + 1) for i in np.flatnonzero(largest == 0)]:
+            return np.inf, f"deformation {', '.join(still)} is zero for all coordinates"
+        ratios = np.abs(e[self.references]) / largest
+        value, worst = float(ratios.max()), int(np.argmax(ratios.max(axis=0)))
+        number = float(np.max(np.abs(e[self.references][:, worst])))
+        fault = (
+            f"deformation {worst + 1} is {number:.3g} in the undeformed mechanism, given as `ref`, but must be zero"
+            " there"
+        )
+        return value, fault if value > ELEMENT_LAW else ""
+
+    def _rigid(self) -> tuple[float, str]:
+        e, e_moved = (self._answer(values, "deformations") for values in (self.here, self.rigid))
+        errors = np.abs(e_moved - e) / (np.max(np.abs(e), axis=0) + TINY)
+        value, worst = float(errors.max()), int(np.argmax(errors.max(axis=0)))
+        number = float(np.max(np.abs(e_moved - e)[:, worst]))
+        fault = (
+            f"deformation {worst + 1} changes by {number:.3g} in a rigid motion of the whole element, but must not"
+            " change: measure vectors in axes that turn with the element, and rotations relative to each other"
+        )
+        return value, fault if value > ELEMENT_LAW else ""
+
+    def _first(self) -> tuple[float, str]:
+        forward = self.here["forward"]
+        # Largest size of the same answer and of its derivatives, for each number.
+        scales = np.zeros(forward.shape[1])
+        for columns in self.shapes.values():
+            scales[columns] = max(np.max(np.abs(self.here[k][:, columns]), initial=0.0) for k in ("value", "forward"))
+        scales = np.where(scales > 0, scales, 1.0)
+        central = (self.plus["value"] - self.minus["value"]) / (2 * STEP)
+        errors = np.abs(central - forward) / scales
+        own_weights = weights(forward.shape[1])
+        for name in self.shapes.keys() & {*KINKED}:
+            errors[:, self.shapes[name]] = own_weights[self.shapes[name]] = 0.0
+        reverse = np.sum(self.here["reverse"] * self.along, axis=1)
+        reverse_errors = np.abs(forward @ own_weights - reverse) / np.sum(np.abs(forward), axis=1).clip(TINY)
+        fault = self._named(errors, ELEMENT_DIFFERENCE, "the derivative of {} is not that of its differences {}")
+        if not fault and np.max(reverse_errors) > ELEMENT_LAW:
+            fault = "its derivatives in reverse mode are not those in forward mode"
+        return float(max(errors.max(initial=0.0), reverse_errors.max(initial=0.0))), fault
+
+    def _second(self) -> tuple[float, str]:
+        second = self.here["second"]
+        central = (self.plus["reverse"] - self.minus["reverse"]) / (2 * STEP)
+        scale = max(np.max(np.abs(values * self.sizes)) for values in (second, self.here["reverse"])) or 1.0
+        errors = np.abs(central - second) * self.sizes / scale
+        value = float(errors.max())
+        where = self._where(int(np.argmax(errors.max(axis=1))))
+        fault = (
+            f"its second derivatives are not those of differences {where}: it may have a kink, or be tried where it is"
+        )
+        return value, f"{fault} not defined (nodes are `apart` from each other)" * (value > ELEMENT_DIFFERENCE)
+
+    def _named(self, errors: np.ndarray, most: float, text: str) -> str:
+        """Fault of the answer that deviates most; empty if none deviates too much."""
+        if not errors.size or errors.max() <= most:
+            return ""
+        state, column = np.unravel_index(int(np.argmax(errors)), errors.shape)
+        name, columns = next((n, s) for n, s in self.shapes.items() if s.start <= column < s.stop)
+        about = f"deformation {column - columns.start + 1}" if name == "deformations" else f"its {name}"
+        return text.format(about, self._where(int(state)))
+
+    def _slope(self, kind: str) -> tuple[float, str]:
+        slope, differences = self.here[f"{kind} slope"], self.here[f"{kind} differences"]
+        scale = max(np.max(np.abs(slope)), np.max(np.abs(differences))) or 1.0
+        value = float(np.max(np.abs(slope - differences)) / scale)
+        fault = f"the derivative of its {kind} is not that of its differences"
+        return value, fault if value > POTENTIAL_DIFFERENCE else ""
+
+    def _symmetric(self, named: list[str]) -> tuple[float, str]:
+        value, fault = 0.0, ""
+        for name in named:
+            matrices = self._answer(self.here, name).reshape(-1, self.count, self.count)
+            scale = np.max(np.abs(matrices)) or 1.0
+            asymmetry = float(np.max(np.abs(matrices - matrices.transpose(0, 2, 1))) / scale)
+            value = max(value, asymmetry)
+            if asymmetry > ELEMENT_LAW:
+                fault = fault or f"its {name} is not symmetric"
+        return value, fault
+
+    def _semidefinite(self) -> tuple[float, str]:
+        mass, h = self.here["mass"], self._answer(self.here, "H")
+        scale = np.max(np.abs(mass)) or 1.0
+        size = int(np.sqrt(h.shape[1]))
+        h = h.reshape(-1, size, size)
+        skew = float(np.max(np.abs(h - h.transpose(0, 2, 1))) / (np.max(np.abs(h)) or 1.0))
+        lowest = float(np.min(np.linalg.eigvalsh(mass)) / scale)
+        fault = "the matrix H of its inertia is not symmetric" if skew > ELEMENT_LAW else ""
+        if lowest < -ELEMENT_LAW:
+            fault = fault or "its mass matrix is not positive semidefinite: a motion has a negative kinetic energy"
+        return max(skew, -min(lowest, 0.0)), fault
+
+    def _kinetic(self) -> tuple[float, str]:
+        mass, value = self.here["mass"], 0.0
+        ends = np.cumsum([kind.size for kind in self.kinds])[:-1]
+        for i, turn in enumerate(self.turns):
+            unmoved = (np.split(column, ends) for column in np.eye(mass.shape[1]))
+            moved = [rigid_motion(self.kinds, column, turn, np.zeros(3), rates=True) for column in unmoved]
+            turned = np.stack([np.concatenate(column) for column in moved], axis=1)
+            deviation = turned.T @ self.rigid["mass"][i] @ turned - mass[i]
+            value = max(value, float(np.max(np.abs(deviation)) / (np.max(np.abs(mass)) or 1.0)))
+        fault = "its kinetic energy changes when the whole is turned or moved" if value > ELEMENT_LAW else ""
+        return value, fault
