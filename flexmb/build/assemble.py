@@ -307,8 +307,8 @@ def _block(
     stacked = {}
     for name, value in ordered[0].properties.items():
         if name == "section":
-            stacks = tuple(_stack_trees([p.properties[name] for p in group]) for group in kinds.values())
-            stacked[name] = stacks if len(stacks) > 1 else stacks[0]
+            stacks = [_stack_trees([p.properties[name] for p in group]) for group in kinds.values()]
+            stacked[name] = tuple(stacks) if len(stacks) > 1 else stacks[0]
         elif not is_option(value):
             stacked[name] = _stack_trees([p.properties[name] for p in ordered])
     has_resultants = "resultants" in companions

@@ -264,9 +264,10 @@ class _Tried:
         pairs = [(random_element(self.kinds, apart, random), away) for _ in range(REFERENCES) for away in AWAY]
         self.states = [ElementState(moved_nodes(self.kinds, ref, away, apart, random), ref) for ref, away in pairs]
         self.references = [i for i, (_, away) in enumerate(pairs) if not away]
-        arguments = element.arguments(element.check, properties) or {}
-        for state in [self.states[i] for i in self.references] if element.check is not None else ():
-            for fault in element.check(ref=element.reference(state.ref), **arguments):
+        for i in self.references if element.check is not None else ():
+            check: Any = element.check
+            arguments = element.arguments(check, properties) or {}
+            for fault in check(ref=element.reference(self.states[i].ref), **arguments):
                 raise ModelError(f"Element type '{element.name}' {fault}.")
         turns = [random.uniform(-0.5, 0.5, (2, 3)) * [[1.0], [apart]] for _ in self.states]
         rigid = [
