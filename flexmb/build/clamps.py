@@ -106,7 +106,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         free = builder.nodes[warping].roles[0] not in HELD
         if free and was is not None and any(is_traced for *_, is_traced in ends):
             _note_other_clamps(was[1], [own for own, *_ in ends])
-    _reach_in_line(builder, twin, joined, flat_ends)
+    _reach_in_line(builder, twin, flat_ends)
     for name in leaves:
         member = twin.members[name]
         if not member.element.fields:
@@ -160,9 +160,7 @@ def axes_at(builder: Description, *ends: End, library: Any = np) -> list[Any]:
     return [leaf_axes(builder, builder.members[end.leaf], library, end.number) for end in ends]
 
 
-def _reach_in_line(
-    builder: Description, twin: Description, joined: dict[str, list[str]], flat_ends: dict[tuple[str, int], bool]
-) -> None:
+def _reach_in_line(builder: Description, twin: Description, flat_ends: dict[tuple[str, int], bool]) -> None:
     """Store the distances from ends to clamps beyond leaf springs in line in the properties of ``twin``."""
     leaves = [name for name, member in builder.members.items() if (name, 0) in flat_ends and member.element.fields]
     meeting = ends_at(builder, leaves)

@@ -86,11 +86,12 @@ def _split_companions(names: tuple[str, ...], law: tuple[Element, tuple, tuple, 
     early, late = split_together(pairs, (ref, element_properties))
     kinds = list(element.nodes.values())
     is_inner = [kind.part not in ("position", "rotation") for kind in kinds]
-    numbers = jax.eval_shape(early, ref, element_properties)
+    # Planar elements have too few operations to gain by stages.
+    in_stages = all(kind.dimension == 3 for kind in kinds)
+    numbers = jax.eval_shape(early, ref, element_properties) if in_stages else ()
     functions: list[Any] = []
     for name, function in zip(names, late, strict=True):
-        # Planar elements have too few operations to gain by stages.
-        if name in OF_NODES and all(kind.dimension == 3 for kind in kinds):
+        if in_stages and name in OF_NODES:
             functions.append((name, Staged(function, nodes, is_inner, numbers)))
         else:
             functions.append((name, _called(function, name, splits)))
