@@ -82,7 +82,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         stated = member.properties["clamped"]
         flat, restrained = [], []
         untwisted = _is_untwisted(member)
-        for end in ends_of_leaf(name, member):
+        for end in ends_of(name, member):
             was = None
             if stated is not None:
                 clamped = Clamped(bool(stated[end.number]), bool(stated[end.number]))
@@ -94,12 +94,12 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
             restrained.append(clamped.restrained or untwisted)
             if was is not None and clamped.traced is not None and member.element.fields:
                 _note_other_clamps(was[0], [clamped.traced[0]])
-            for warping in nodes_of_kind(member, "warping")[end.number : end.number + 1]:
+            for warping in member.nodes_of_kind("warping")[end.number : end.number + 1]:
                 traced = None if clamped.traced is None or untwisted else clamped.traced[1]
                 own = restrained[-1] if traced is None else traced
                 nodes.setdefault(warping, []).append((own, was, traced is not None))
         twin.members[name] = member.with_properties(clamped=np.array(flat, float))
-        for warping, is_restrained in zip(nodes_of_kind(member, "warping"), restrained, strict=False):
+        for warping, is_restrained in zip(member.nodes_of_kind("warping"), restrained, strict=False):
             _hold(twin, warping, name, joined[warping], is_restrained, stated is not None and not untwisted)
     for warping, ends in nodes.items():
         was = next((was for _, was, _ in ends if was is not None), None)
@@ -111,7 +111,7 @@ def with_clamps(builder: Description, before: Model | None) -> Description:
         member = twin.members[name]
         if not member.element.fields:
             # No clamp keeps a warping beam flat. Its ``clamped`` marks ends whose warping is held, for any reason.
-            constrained = [twin.nodes[warping].roles[0] in HELD for warping in nodes_of_kind(member, "warping")]
+            constrained = [twin.nodes[warping].roles[0] in HELD for warping in member.nodes_of_kind("warping")]
             twin.members[name] = member.with_properties(clamped=np.array(constrained, float))
     return twin
 
@@ -125,34 +125,28 @@ def elements_at(builder: Description) -> dict[str, list[str]]:
     return by_node
 
 
-def nodes_of_kind(member: Member, part: str) -> list[str]:
-    """Return the nodes of an element of a kind, in order."""
-    kinds = member.element.nodes.values()
-    return [node for node, kind in zip(member.nodes, kinds, strict=True) if kind.part == part]
-
-
-def ends_of_leaf(name: str, member: Member) -> list[End]:
+def ends_of(name: str, member: Member) -> list[End]:
     """Return the first end and the last of a leaf spring or warping beam."""
-    return [End(name, rotation, number) for number, rotation in enumerate(nodes_of_kind(member, "rotation"))]
+    return [End(name, rotation, number) for number, rotation in enumerate(member.nodes_of_kind("rotation"))]
 
 
 def ends_at(builder: Description, names: Iterable[str]) -> dict[str, list[End]]:
     """Return the ends of some elements at each rotation, in order."""
     by_rotation: dict[str, list[End]] = {}
     for name in names:
-        for end in ends_of_leaf(name, builder.members[name]):
+        for end in ends_of(name, builder.members[name]):
             by_rotation.setdefault(end.rotation, []).append(end)
     return by_rotation
 
 
 def end_at(builder: Description, name: str, rotation: str) -> End:
     """Return the end of an element at a rotation."""
-    return next(end for end in ends_of_leaf(name, builder.members[name]) if end.rotation == rotation)
+    return next(end for end in ends_of(name, builder.members[name]) if end.rotation == rotation)
 
 
 def opposite(builder: Description, end: End) -> End:
     """Return the other end of the element."""
-    return ends_of_leaf(end.leaf, builder.members[end.leaf])[1 - end.number]
+    return ends_of(end.leaf, builder.members[end.leaf])[1 - end.number]
 
 
 def axes_at(builder: Description, *ends: End, library: Any = np) -> list[Any]:
@@ -196,7 +190,7 @@ def is_fold(builder: Description, *ends: End) -> bool:
 
 def span_of(builder: Description, member: Member) -> Any:
     """Return the length of an element [m]."""
-    p, q = (builder.nodes[node].start for node in nodes_of_kind(member, "position")[:2])
+    p, q = (builder.nodes[node].start for node in member.nodes_of_kind("position")[:2])
     curvature = member.properties.get("curvature")
     library: Any = np if is_concrete((p, q)) else jnp
     chord = library.linalg.norm(library.asarray(q, float) - library.asarray(p, float))
@@ -211,7 +205,7 @@ def _hold(builder: Description, warping: str, leaf: str, joined: list[str], rest
         if other == leaf:
             continue
         flags = builder.members[other].properties.get("clamped")
-        place = nodes_of_kind(builder.members[other], "warping").index(warping)
+        place = builder.members[other].nodes_of_kind("warping").index(warping)
         if stated and flags is not None and bool(flags[place]) is not restrained:
             raise ModelError(
                 f"Elements '{leaf}' and '{other}' share their warping at '{warping}', but only one of them is clamped"
@@ -331,7 +325,7 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
 
 def _is_untwisted(member: Member) -> bool:
     """Whether an element with warping coordinates has FIXED twist, and thus no warping."""
-    if not nodes_of_kind(member, "warping"):
+    if not member.nodes_of_kind("warping"):
         return False
     fields = member.element.fields
     twist = fields[FIELDS.index("GIt")] if fields else (TWIST,)
@@ -392,7 +386,7 @@ def leaf_axes(builder: Description, member: Member, library: Any = np, end: int 
     Args:
         end: The first end (0) or the last (1). Default: the line between both ends.
     """
-    p, q = (builder.nodes[node].start for node in nodes_of_kind(member, "position"))
+    p, q = (builder.nodes[node].start for node in member.nodes_of_kind("position"))
     y, curvature = member.properties.get("y"), member.properties.get("curvature")
     given = (p, q, y) if end is None else (p, q, y, curvature)
     if library is np and not is_concrete(given):

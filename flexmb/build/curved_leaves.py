@@ -15,21 +15,7 @@ from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
 from ..numerical_limits import SAME_SIZE
-from .clamps import (
-    FOLD,
-    THICK,
-    End,
-    axes_at,
-    elements_at,
-    end_at,
-    ends_at,
-    ends_of_leaf,
-    is_fold,
-    nodes_of_kind,
-    opposite,
-    section_at,
-    span_of,
-)
+from .clamps import FOLD, THICK, End, axes_at, elements_at, ends_at, ends_of, is_fold, opposite, section_at, span_of
 from .description import Description, Member
 
 # Thickness or width over the radius at which the stress at the inner side is 5 % above the stress of a thin beam.
@@ -58,7 +44,7 @@ def warn_of_curved_leaves(builder: Description) -> None:
             _warn_of_sharp(name, leaf, section_at(builder, leaf, 0.5))
             _warn_of_slant(builder, name, leaf)
             _warn_of_stocky(builder, name, leaf, _length_in_line(builder, joined, leaves, name))
-        if (pieces := _pieces_of_a_curve(builder, joined, leaves)) is not None:
+        if (pieces := _pieces_of_a_curve(builder, leaves)) is not None:
             warn(
                 f"Elements '{pieces[0]}' and '{pieces[1]}' meet at a small angle, as straight pieces of a curved leaf"
                 " spring do. The stiffness of a curved leaf spring lies between the stiffnesses of straight pieces in"
@@ -80,8 +66,8 @@ def _pairs_in_rigid_parts(builder: Description, leaves: dict[str, Member]) -> It
     """Pairs of ends of leaf springs at both ends of a rigid part in space, the narrower leaf spring first."""
     ends = ends_at(builder, leaves)
     for member in builder.members.values() if builder.dimension == 3 else ():
-        rotations = nodes_of_kind(member, "rotation")
-        if member.properties.get("section") is None and len(nodes_of_kind(member, "position")) == len(rotations) == 2:
+        rotations = member.nodes_of_kind("rotation")
+        if member.properties.get("section") is None and len(member.nodes_of_kind("position")) == len(rotations) == 2:
             for pair in itertools.product(*(ends.get(rotation, ()) for rotation in rotations)):
                 narrow, wide = sorted(pair, key=lambda end: float(section_at(builder, leaves[end.leaf], 0.5).width))
                 yield narrow, wide
@@ -97,7 +83,7 @@ def _is_beside_slot(builder: Description, narrow: End, wide: End) -> bool:
     # Directions away from both ends.
     if along @ wide_along * (1 - 2 * narrow.number) * (1 - 2 * wide.number) > 0:
         return False
-    places = [nodes_of_kind(builder.members[end.leaf], "position")[end.number] for end in (narrow, wide)]
+    places = [builder.members[end.leaf].nodes_of_kind("position")[end.number] for end in (narrow, wide)]
     apart = np.subtract(*(np.asarray(builder.nodes[place].start, float) for place in places))
     beside = float(abs(apart @ wide_across))
     is_within = SAME_SIZE * width < beside and beside + width / 2 <= (1 + SAME_SIZE) * wide_width / 2
@@ -143,13 +129,13 @@ def _warn_of_slant(builder: Description, name: str, leaf: Member) -> None:
 def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member], name: str) -> float:
     """Length of a leaf spring, and of others in line if nothing clamps them to each other; inf if traced [m]."""
     length, passed = float(span_of(builder, leaves[name])), {name}
-    for at in ends_of_leaf(name, leaves[name]):
+    for at in ends_of(name, leaves[name]):
         while len(others := [other for other in joined[at.rotation] if other != at.leaf]) == 1:
             other = builder.members[others[0]]
             if others[0] not in leaves:
                 length += np.inf if other.element.fields and "clamped" in other.properties else 0.0
                 break
-            near = end_at(builder, others[0], at.rotation)
+            near = next(end for end in ends_of(others[0], other) if end.rotation == at.rotation)
             before = section_at(builder, builder.members[at.leaf], 0.5)
             thick = float(section_at(builder, other, 0.5).thickness) >= THICK * float(before.thickness)
             if others[0] in passed or thick or is_fold(builder, at, near):
@@ -178,24 +164,21 @@ def _warn_of_stocky(builder: Description, name: str, leaf: Member, length: float
         )
 
 
-def _pieces_of_a_curve(
-    builder: Description, joined: dict[str, list[str]], leaves: dict[str, Member]
-) -> tuple[str, str] | None:
+def _pieces_of_a_curve(builder: Description, leaves: dict[str, Member]) -> tuple[str, str] | None:
     """Two leaf springs in line that approximate a curved leaf spring with a different stiffness."""
+    meeting = ends_at(builder, leaves)
     for name, leaf in leaves.items():
         turns: list[Any] = []
-        for at in ends_of_leaf(name, leaf):
-            for other in joined[at.rotation]:
-                if other == name or other not in leaves:
-                    continue
-                if (turn := _turn(builder, at, end_at(builder, other, at.rotation))) is None:
+        for at in ends_of(name, leaf):
+            for other in meeting[at.rotation]:
+                if other.leaf == name or (turn := _turn(builder, at, other)) is None:
                     continue
                 # Two folds in the same sense make a curve, one fold does not.
                 folds = [before for end, before in turns if end != at.number and FOLD <= min(_angles(before, turn))]
                 if any(max(_angles(before, turn)) < STEEPEST_OF_CHAIN and before @ turn > 0 for before in folds):
-                    return name, other
-                if _stand_for_a_curve(builder, leaf, leaves[other], _angles(turn)[0]):
-                    return name, other
+                    return name, other.leaf
+                if _stand_for_a_curve(builder, leaf, leaves[other.leaf], _angles(turn)[0]):
+                    return name, other.leaf
                 turns.append((at.number, turn))
     return None
 

@@ -58,6 +58,11 @@ class Member:
     roles: list[Role]
     hidden: bool = False
 
+    def nodes_of_kind(self, part: str) -> list[str]:
+        """Nodes of a kind, such as "rotation", in order."""
+        kinds = self.element.nodes.values()
+        return [node for node, kind in zip(self.nodes, kinds, strict=True) if kind.part == part]
+
     def with_properties(self, **changed: Any) -> Member:
         """The element with other values of some properties."""
         return dataclasses.replace(self, properties={**self.properties, **changed})

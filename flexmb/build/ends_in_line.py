@@ -9,28 +9,14 @@ from jaxtyping import Array
 
 from ..arguments import holds, is_concrete, nan_if_refused
 from ..compilation.compile import jit
-from ..elements.leaf import flags_and_distances, leaf_of
+from ..elements.leaf import REACHES, flags_and_distances, leaf_of
 from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..model.topology import HELD
 from ..numerical_limits import SAME_SIZE
-from .clamps import (
-    FOLD,
-    REACH,
-    THICK,
-    End,
-    axes_at,
-    ends_at,
-    ends_of_leaf,
-    is_clamped,
-    is_fold,
-    nodes_of_kind,
-    opposite,
-    section_at,
-    span_of,
-)
+from .clamps import FOLD, THICK, End, axes_at, ends_at, ends_of, is_clamped, is_fold, opposite, section_at, span_of
 from .description import Description, Member
 
 # Ranges compared with solid elements: angle of cuts [rad], Poisson's ratio, narrow over wide part; least length over
@@ -74,7 +60,8 @@ def with_steps(described: Description, builder: Description) -> Description:
         partly = 1 - library.minimum(thicknesses / beside[1], 1.0) ** 3
         # Unless the user states what clamps the ends, or a clamp beyond has a larger effect.
         if leaves[name].properties["clamped"] is None:
-            prevails = partly * REACH * widths >= flags[0] * REACH * widths - flags[1]
+            reach = REACHES.max() * widths
+            prevails = partly * reach >= flags[0] * reach - flags[1]
             flags = library.where(prevails, library.stack([partly, 0 * partly]), flags)
         described.members[name] = member.with_properties(clamped=library.concatenate([flags, beside]))
     return described
@@ -150,7 +137,7 @@ def warn_of_ends(described: Description) -> None:
         faults = []
         if skew is not None:
             # At folds and beside thick leaf springs an end is flat, but warps.
-            rigid = [described.nodes[node].roles[0] in HELD for node in nodes_of_kind(member, "warping")]
+            rigid = [described.nodes[node].roles[0] in HELD for node in member.nodes_of_kind("warping")]
             rigid = np.array(rigid) & (np.atleast_2d(np.asarray(clamped))[0] != 0)
             faults = _about_skew(np.asarray(skew, float), sizes[:, 0], min(lengths), rigid)
             if member.properties["curvature"] is not None and np.any(np.asarray(skew)):
@@ -206,7 +193,7 @@ def _about_steps(beside: np.ndarray, sizes: np.ndarray, lengths: list[float]) ->
 
 def _length_of_part(described: Description, name: str, number: int) -> float:
     """Length of the part beside an end: a leaf spring and its neighbours of equal size in line [m]."""
-    length, passed, at = 0.0, {name}, ends_of_leaf(name, described.members[name])[1 - number]
+    length, passed, at = 0.0, {name}, ends_of(name, described.members[name])[1 - number]
     while True:
         member = described.members[at.leaf]
         length += float(span_of(described, member))

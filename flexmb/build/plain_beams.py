@@ -17,7 +17,7 @@ from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
 from ..model.topology import HELD
-from .clamps import THICK, End, elements_at, ends_at, ends_of_leaf, is_clamped, leaf_axes, nodes_of_kind, opposite
+from .clamps import THICK, End, elements_at, ends_at, ends_of, is_clamped, leaf_axes, opposite
 from .description import Description, Member
 
 PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
@@ -169,7 +169,7 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
             continue
         chain, outer = [name], []
         seen.add(name)
-        for end in reversed(ends_of_leaf(name, builder.members[name])):
+        for end in reversed(ends_of(name, builder.members[name])):
             while end in beyond and beyond[end].leaf not in seen:
                 end = opposite(builder, beyond[end])
                 chain.append(end.leaf)
@@ -183,7 +183,7 @@ def _is_plain(builder: Description, member: Member) -> bool:
     counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
     if counted or member.element.usual not in PLAIN or isinstance(member.properties.get("section"), General | None):
         return False
-    p, q = nodes_of_kind(member, "position")
+    p, q = member.nodes_of_kind("position")
     starts = builder.nodes[p].start, builder.nodes[q].start
     return is_concrete((starts, member.properties.get("y")))
 
@@ -201,5 +201,5 @@ def _continues(
 
 
 def _span(builder: Description, name: str) -> float:
-    p, q = (np.asarray(builder.nodes[node].start, float) for node in nodes_of_kind(builder.members[name], "position"))
+    p, q = (np.asarray(builder.nodes[node].start, float) for node in builder.members[name].nodes_of_kind("position"))
     return float(np.linalg.norm(q - p))

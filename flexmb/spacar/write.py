@@ -13,7 +13,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.assemble import stack
 from ..build.builder import Builder
-from ..build.clamps import nodes_of_kind, with_clamps
+from ..build.clamps import with_clamps
 from ..build.description import Member
 from ..elements import planar, spatial
 from ..elements.element import Element
@@ -293,7 +293,7 @@ class _Writer:
         extras += [] if section.rotary else ["no rotary inertia"]
         numbers = ": SECTION gives width, thickness, E, G, rho and alpha"
         _refuse(bool(extras), f"{label}: its section has {', '.join(extras)}", numbers)
-        for rotation, warping in zip(nodes_of_kind(m, "rotation"), nodes_of_kind(m, "warping"), strict=False):
+        for rotation, warping in zip(m.nodes_of_kind("rotation"), m.nodes_of_kind("warping"), strict=False):
             beams = [b.nodes for n, b in self.shown.items() if self.kinds[n].warps and rotation in b.nodes]
             shared = {nodes[nodes.index(rotation) + 1] for nodes in beams}
             if {warping} != (shared or {f"{rotation.removesuffix('.rotation')}.warping"}):

@@ -12,7 +12,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..build.assemble import UNIT_NORM
 from ..build.builder import Builder
-from ..build.clamps import nodes_of_kind, with_clamps
+from ..build.clamps import with_clamps
 from ..build.description import Key, Member, NamedSignal, Node
 from ..build.ends_in_line import with_steps
 from ..build.given import released_in
@@ -151,7 +151,7 @@ class _Conversion:
             return set(leaves)
 
         def differs(name: str, member: Member) -> bool:
-            warpings = nodes_of_kind(member, "warping")
+            warpings = member.nodes_of_kind("warping")
             held = [
                 [builder_nodes[n].roles[0] in HELD for n in warpings] for builder_nodes in (other.nodes, self.nodes)
             ]
