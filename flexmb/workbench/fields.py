@@ -27,20 +27,9 @@ METHODS = {
 }
 # Methods that no thing calls: things name elements by their types, and a document is built and copied as a whole.
 OTHERS = ("add", "build", "copy", "with_dofs")
-# Kinds of the parameters of methods and building blocks that follow from no annotation.
-KINDS = {
-    "node": "node",
-    "base": "node",
-    "stage": "node",
-    "of": "of",
-    "element": "element",
-    "component": "components",
-    "components": "components",
-    "deformations": "deformations",
-    "weights": "weights",
-    "material": "material",
-    "step": "text",
-}
+# Kinds of the parameters of methods and building blocks that follow from no annotation; most are named so.
+KINDS = {name: name for name in ("node", "of", "element", "components", "deformations", "weights", "material")}
+KINDS |= {"base": "node", "stage": "node", "component": "components", "step": "text"}
 CHOICES = {
     "kind": ("node", "element"),
     "tilt": ("fixed", "free"),
@@ -53,13 +42,9 @@ COUNTS = {
     "inertia": (1, 6),
     "start": (1, 4),
     "gradient": (1, 2),
-    "change": (None, None),
-    "values": (None, None),
-    "breaks": (None, None),
-    "center": (2, 3),
-    "at": (2, 3),
-    "axis": (0, 3),
-    "y": (0, 3),
+    **dict.fromkeys(("change", "values", "breaks"), (None, None)),
+    **dict.fromkeys(("center", "at"), (2, 3)),
+    **dict.fromkeys(("axis", "y"), (0, 3)),
 }
 # Fields for mechanisms in space.
 SPATIAL = ("y", "axis", "tilt", "apart", "local")

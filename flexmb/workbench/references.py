@@ -10,17 +10,8 @@ from .fields import Call, calls
 # Parts of a node or an element with names of their own.
 PARTS = (".rotation", ".warping", ".internal", *(f".{axis}" for axis in TURNS))
 # Kinds of fields that contain names of things, and the namespaces of these names.
-SPACES = {
-    "node": ("node",),
-    "nodes": ("node",),
-    "of": ("node", "element"),
-    "element": ("element",),
-    "section": ("section",),
-    "sections": ("section",),
-    "material": ("material",),
-    "damping": ("damping",),
-    "weights": ("node", "element"),
-}
+SPACES: dict[str, tuple[str, ...]] = {n: (n,) for n in ("node", "element", "section", "material", "damping")}
+SPACES |= {"nodes": ("node",), "sections": ("section",), **dict.fromkeys(("of", "weights"), ("node", "element"))}
 
 
 def call_of(thing: dict[str, Any]) -> Call | None:
