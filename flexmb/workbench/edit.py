@@ -62,7 +62,8 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
     session = session_of(model, names)
     if session.notes:
         warn(f"The workbench cannot contain all of the mechanism: {'; '.join(session.notes)}.")
-    notebook = in_notebook()
+    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
+    in_notebook = getattr(shell, "kernel", None) is not None
     try:
         server = Server(session, port=port, framed=True)
     except BaseException:
@@ -70,7 +71,7 @@ def edit(model: Any = None, *, port: int = 0, browser: bool | None = None, **nam
         raise
     session.file.answers_at(server.port, server.token)
     server.start()
-    if browser or (browser is None and not notebook):
+    if browser or (browser is None and not in_notebook):
         threading.Thread(target=webbrowser.open, args=(server.address,), daemon=True).start()
     return Workbench(server)
 
@@ -146,12 +147,6 @@ class Workbench:
 
     def _repr_html_(self) -> str:
         return page_frame(self.address, self._server.port)
-
-
-def in_notebook() -> bool:
-    """Whether this runs in the kernel of a notebook."""
-    shell = getattr(sys.modules.get("IPython"), "get_ipython", lambda: None)()
-    return getattr(shell, "kernel", None) is not None
 
 
 def page_frame(address: str, port: int) -> str:

@@ -97,8 +97,11 @@ def catalogue() -> dict[str, dict[str, Any]]:
 @functools.cache
 def calls() -> dict[str, Call]:
     """All calls by name."""
+    # Methods of the base class follow.
+    names = dict.fromkeys(name for kind in Builder.__mro__[:-1] for name in vars(kind))
+    public = [name for name in names if not name.startswith("_") and name not in OTHERS]
     elements = [(room, name) for room in (planar, spatial) for name in room.__all__ if _offered(room, name)]
-    all_calls = [_method_call(name) for name in _methods()]
+    all_calls = [_method_call(name) for name in public if inspect.isfunction(getattr(Builder, name))]
     all_calls += [_element_call(room, name) for room, name in elements]
     all_calls += [_record_call(name) for name in sections.__all__ if _kind_of_record(getattr(sections, name))]
     all_calls += [_constant_call(name) for name in materials.__all__]
@@ -146,13 +149,6 @@ def _written(default: Any) -> str | None:
     if isinstance(default, bool):
         return "true" if default else "false"
     return default if isinstance(default, str) else f"{default:.15g}"
-
-
-def _methods() -> list[str]:
-    # Methods of the base class follow.
-    names = dict.fromkeys(name for kind in Builder.__mro__[:-1] for name in vars(kind))
-    public = [name for name in names if not name.startswith("_") and name not in OTHERS]
-    return [name for name in public if inspect.isfunction(getattr(Builder, name))]
 
 
 def _method_call(name: str) -> Call:

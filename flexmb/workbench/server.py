@@ -153,7 +153,11 @@ class Server:
 
     def __init__(self, session: Session, *, port: int = 0, token: str | None = None, framed: bool = False):
         """Take the port; :meth:`start` begins to answer."""
-        _websockets()
+        try:
+            import websockets.asyncio.server  # noqa: F401
+        except ModuleNotFoundError:
+            message = "The workbench needs the package websockets: pip install 'flexmb[workbench]'."
+            raise ModuleNotFoundError(message, name="websockets") from None
         self.session = session
         self.token = token or secrets.token_urlsafe(24)
         self._socket = _listening(port)
@@ -319,15 +323,6 @@ class Server:
             return written({"re": number, "ok": True, **content})
         except Refused as fault:
             return refusal_reply(number, fault)
-
-
-def _websockets() -> None:
-    try:
-        import websockets.asyncio.server  # noqa: F401
-    except ModuleNotFoundError:
-        raise ModuleNotFoundError(
-            "The workbench needs the package websockets: pip install 'flexmb[workbench]'.", name="websockets"
-        ) from None
 
 
 def _listening(port: int) -> socket.socket:
