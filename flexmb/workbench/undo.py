@@ -80,11 +80,6 @@ class History:
         return [step.label for step in reversed(self._forth)]
 
     @property
-    def journal(self) -> Path | None:
-        """File of the journal."""
-        return None if self._file is None else Path(self._file.name)
-
-    @property
     def is_saved(self) -> bool:
         """Whether a file contains the document, or there was nothing to save so far."""
         return self.document is self.saved or (self.saved is not None and self.document.data == self.saved.data)
