@@ -20,7 +20,6 @@ class TakenError(OSError):
     def __init__(self, path: Path, address: str | None):
         where = f": {address}" if address else ""
         super().__init__(f"'{printable(path.name)}' is already open in another workbench{where}")
-        self.address = address
 
 
 def session_of_file(path: Path) -> Session:
