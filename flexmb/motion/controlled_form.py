@@ -82,28 +82,18 @@ class PortPlaces(Record):
     @property
     def late(self) -> tuple[int, ...]:
         """Parts of outputs that depend on accelerations and multipliers."""
-        return tuple(i for i, quantity in enumerate(self.quantities) if quantity in LATE)
+        return tuple(i for i, quantity in enumerate(self.quantities) if quantity.removeprefix("local ") in LATE)
 
     @property
     def passes(self) -> bool:
         """Whether an output depends on an input at given accelerations, such as a measured stress resultant."""
-        measures_force = any(quantity in FORCES for quantity in self.quantities)
+        measures_force = any(quantity.removeprefix("local ") in FORCES for quantity in self.quantities)
         return measures_force and self.stresses.shape[1] > 0
 
 
-ROTATIONS = ("rotation", "local rotation")
+FORCES = ("stress", "reaction", "moment")
 # Quantities that depend on accelerations and multipliers, and therefore on the inputs at the same time.
-LATE = (
-    "acceleration",
-    "angular acceleration",
-    "local angular acceleration",
-    "deformation acceleration",
-    "stress",
-    "reaction",
-    "moment",
-    "local moment",
-)
-FORCES = ("stress", "reaction", "moment", "local moment")
+LATE = ("acceleration", "angular acceleration", "deformation acceleration", *FORCES)
 # Newton steps to inputs that depend on accelerations which they cause; exact after one for a linear controller.
 CLOSING = 4
 
@@ -193,29 +183,20 @@ class ControlledForm(Record):
         u: Float[Array, "n_u"] | None = None,
     ):
         """Return the outputs of the mechanism in state `own`; late outputs also need `z` and the inputs `u`."""
-        values = self._early(t, own)
-        for i, value in zip(self.places.late, self._late(t, own, z, u) if self.places.late else (), strict=True):
-            values[i] = value
-        parts = jnp.array(values, float)
+        parts = self._early(t, own)
+        if self.places.late:
+            parts = parts.at[np.array(self.places.late)].set(self._late(t, own, z, u))
         return parts if self.places.read is None else self.places.read @ parts
 
     def _late(self, t: Float[Array, ""], mechanism_state: MotionState, z: Any, u: Any):
         """Parts of outputs that depend on accelerations and multipliers."""
         kin, sigma, force, at = self._driven(u).forces(t, mechanism_state, z)
-        sources = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
-        values = []
-        for i in self.places.late:
-            quantity = self.places.quantities[i]
-            if quantity in sources:
-                values.append(sources[quantity][self.places.outputs[i]])
-                continue
-            turning, axis, local = self._turning(i)
-            row = rotation_row(at.x[turning], axis, local)
-            # The rate of omega = 2 Lbar lambda_dot has no other term; a moment is Lbar f / 2.
-            values.append(row @ at.a[turning] if "acceleration" in quantity else row @ force[turning] / 4)
-        return jnp.stack(values)
+        # The rate of omega = 2 Lbar lambda_dot has no other term; a moment is Lbar f / 2.
+        turned = {"angular acceleration": at.a, "moment": force / 4}
+        moved = {"acceleration": at.a, "deformation acceleration": kin.edd, "stress": sigma, "reaction": force}
+        return jnp.stack([self._part(i, at.x, moved, turned) for i in self.places.late])
 
-    def _early(self, t: Float[Array, ""], mechanism_state: MotionState) -> list[Any]:
+    def _early(self, t: Float[Array, ""], mechanism_state: MotionState) -> Float[Array, "k"]:
         """Parts of outputs that depend on the state alone; zero for the others."""
         at = self.form.whole(t, mechanism_state.u, mechanism_state.w)
         top, parameters = self.form.topology, self.form.parameters
@@ -225,25 +206,21 @@ class ControlledForm(Record):
             e, ed = jax.jvp(lambda x: deformations(top, parameters, x, last_strain), (at.x,), (at.v,))
         moved = at.x - parameters.reference
         sources = {"position": moved, "velocity": at.v, "deformation": e, "deformation rate": ed}
-        values = []
-        for i, quantity in enumerate(self.places.quantities):
-            if quantity in LATE:
-                values.append(jnp.zeros(()))
-            elif quantity in sources:
-                values.append(sources[quantity][self.places.outputs[i]])
-            elif quantity in ROTATIONS:
-                turning, axis, local = self._turning(i)
-                reference = parameters.reference[turning]
-                values.append(rotation_measured(at.x[turning], self.start[turning], reference, axis, local))
-            else:
-                turning, axis, local = self._turning(i)
-                values.append(rotation_row(at.x[turning], axis, local) @ at.v[turning])
-        return values
+        late, count = self.places.late, len(self.places.quantities)
+        zero, turned = jnp.zeros(()), {"angular velocity": at.v}
+        return jnp.array([zero if i in late else self._part(i, at.x, sources, turned) for i in range(count)], float)
 
-    def _turning(self, i: int):
-        """Return indices of the Euler parameters and axis of a measured rotation, and whether the axis is local."""
-        euler_indices = self.places.outputs[i] + jnp.arange(4)
-        return euler_indices, self.places.axes[i], self.places.quantities[i].startswith("local")
+    def _part(self, i: int, x: Float[Array, "n_x"], moved: dict[str, Array], turned: dict[str, Array]):
+        """A part of an output, from quantities of coordinates and deformations, and of Euler parameters."""
+        place, axis = self.places.outputs[i], self.places.axes[i]
+        quantity = self.places.quantities[i].removeprefix("local ")
+        if quantity in moved:
+            return moved[quantity][place]
+        euler, local = place + jnp.arange(4), quantity != self.places.quantities[i]
+        if quantity == "rotation":
+            reference = self.form.parameters.reference[euler]
+            return rotation_measured(x[euler], self.start[euler], reference, axis, local)
+        return rotation_row(x[euler], axis, local) @ turned[quantity][euler]
 
     def _rate(self, t: Float[Array, ""], states: Float[Array, "n_z"], y: Float[Array, "n_y"]):
         """Rates of the controller's states."""
@@ -352,7 +329,7 @@ class ControlledForm(Record):
         """Return derivatives of outputs as :meth:`_closed_derivatives`, at given inputs, and by inputs if needed."""
 
         def early(position: Float[Array, "n"], velocity: Float[Array, "n"]):
-            return jnp.array(self._early(t, mechanism_state._replace(u=position, w=velocity)), float)
+            return self._early(t, mechanism_state._replace(u=position, w=velocity))
 
         # Reverse mode, since there are few outputs.
         by_state = jax.jacrev(early, (0, 1))(mechanism_state.u, mechanism_state.w)

@@ -206,10 +206,10 @@ def rates_along(
     falling: Float[Array, "c"] | None = None,
 ):
     """Values (e, s) of one element, rates and second rates; free fall is subtracted, since mass does not resist it."""
-    y, yd, (edd, sdd) = second_rate(f, x, v, a)
-    if falling is not None and sdd is not None:
-        sdd = sdd - jax.jvp(f, (x,), (falling,))[1][1]
-    return y, yd, (edd, sdd)
+    y, yd, ydd = second_rate(f, x, v, a)
+    if falling is not None and ydd[1] is not None:
+        ydd = ydd[0], ydd[1] - jax.jvp(f, (x,), (falling,))[1][1]
+    return y, yd, ydd
 
 
 def _with_jacobians(

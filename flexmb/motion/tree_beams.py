@@ -69,32 +69,23 @@ class TreeBeams(Record):
         """Index of the coordinates that the beams depend on."""
         return jnp.concatenate([self.ends, self.c], axis=1)
 
-    def ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams way_and_turn"]:
-        """Return displacement and rotation of each beam in one row."""
-        return jax.vmap(lambda c, constants: jnp.concatenate(self.bent(c, *constants).way))(x[self.c], self.kept)
-
-    def felt_ways(self, x: Float[Array, "n_x"]) -> Float[Array, "beams k"]:
-        """Return the needed parts of :meth:`ways`."""
-        return jnp.concatenate(
-            jax.vmap(lambda c, constants: self._felt(constants)(c).way)(x[self.c], self.kept), axis=1
+    def ways(self, x: Float[Array, "n_x"], parts: int) -> Float[Array, "beams k"]:
+        """Return the first parts of the ways, displacement and rotation, of each beam in one row."""
+        return jax.vmap(lambda c, constants: jnp.concatenate(self.bent(c, *constants).way[:parts]))(
+            x[self.c], self.kept
         )
 
     def rates(self, at: AllCoordinates) -> tuple[Bent, Bent, Bent]:
-        """Return the functions of the coefficients, their rates and second rates."""
-        rates = jax.vmap(lambda constants, *motion: rates_along(self._felt(constants), *motion))(
-            self.kept, *self._motion(at)
-        )
-        return _bent_of(rates)
+        """Return the needed functions of the coefficients, their rates and second rates."""
+        return self._over(rates_along, at)
 
     def derived(self, at: AllCoordinates) -> tuple[tuple[Bent, Bent, Bent], tuple[Bent, Bent, Bent]]:
         """Return :meth:`rates` and their derivatives by the coefficients, which are the last axis."""
-        pair = jax.vmap(lambda constants, *motion: derived_rates(self._felt(constants), *motion))(
-            self.kept, *self._motion(at)
-        )
-        return _bent_of(pair[0]), _bent_of(pair[1])
+        return self._over(derived_rates, at)
 
-    def _motion(self, at: AllCoordinates) -> list[Array]:
-        return [array[self.c] for array in (at.x, at.v, at.a)]
+    def _over(self, function: Callable[..., Any], at: AllCoordinates):
+        of_beam = jax.vmap(lambda constants, *motion: function(self._felt(constants), *motion))
+        return of_beam(self.kept, *[array[self.c] for array in (at.x, at.v, at.a)])
 
     def _felt(self, constants: tuple[Array, ...]):
         """Return the needed functions of the coefficients of one beam."""
@@ -238,11 +229,6 @@ class TreeBeams(Record):
             return jnp.roll(hessian_in_stages(bend, work, c, ends), ends.size, (0, 1))
 
         return jax.vmap(of_beam)(self.kept, x[self.c], x[self.ends], weights, way)
-
-
-def _bent_of(rates: tuple[Any, ...]) -> tuple[Bent, Bent, Bent]:
-    first, second, third = (Bent(*pair) for pair in rates)
-    return first, second, third
 
 
 def tree_beams(topology: Topology, parameters: Parameters, tree: Tree) -> tuple[TreeBeams, ...]:

@@ -75,7 +75,9 @@ class TreeForm(CoordinatesForm):
         """Nodal coordinates, with computed ones that something depends on."""
         if self.tree.felt is None:
             return x
-        return linked(self.tree.felt, jnp.concatenate([beams.felt_ways(x) for beams in self.beams if beams.parts]), x)
+        return linked(
+            self.tree.felt, jnp.concatenate([beams.ways(x, beams.parts) for beams in self.beams if beams.parts]), x
+        )
 
     def whole(self, t: Float[Array, ""], u: Any = None, w: Any = None, a: Any = None) -> AllCoordinates:
         """:meth:`CoordinatesForm.whole`, with computed coordinates that something depends on."""
@@ -151,7 +153,9 @@ class TreeForm(CoordinatesForm):
         at = super().whole(t, state.u, state.w)
 
         def everywhere(x: Float[Array, "n_x"]):
-            return linked(self.tree.poses, jnp.concatenate([beams.ways(x) for beams in self.beams if beams.gives]), x)
+            return linked(
+                self.tree.poses, jnp.concatenate([beams.ways(x, 2) for beams in self.beams if beams.gives]), x
+            )
 
         x, v = jax.jvp(everywhere, (at.x,), (at.v,))
         last_strain = state.memory
