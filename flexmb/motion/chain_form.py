@@ -129,7 +129,7 @@ class ChainForm(CoordinatesForm):
         return ElementTangent(self.order, by_z, by_w, by_u, by_t, self.held.shape[0])
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
-        """Return the corner for redundant constraints, as in :func:`.coordinates_form.constrained_mass`."""
+        """Return the corner for redundant constraints, as in :meth:`CoordinatesForm.system`."""
         mobility = put(jnp.zeros(self.topology.n_x), self.free, self.mobility)[block.x]
         return (
             -REDUNDANT_COMPLIANCE * jnp.eye(rows.shape[1]) * jnp.sum(rows**2 * mobility[:, None, :], axis=2)[:, :, None]
