@@ -344,6 +344,7 @@ def _block_derivatives(
 ) -> Derivatives:
     """Derivatives of one block from :func:`derived_rates`, stress resultants, and tangents."""
     block, (_, _, (_, sdd)), ((d, j), (dd, jd), (d2, j2)) = rates
+    slopes: Any = (d, dd, d2)
     by_x = block.over(_derived_forces, at.near, at.x[block.x], _stressed(block, sigma), _weight(block, sdd))
     by_v = mass = jnp.zeros_like(by_x)
     if d is not None and stiffness is not None:
@@ -354,7 +355,7 @@ def _block_derivatives(
     if block.mass is not None:
         more_x, more_v, mass = by_inertia(block.mass, j, jd, j2)
         by_x, by_v = by_x + more_x, by_v + more_v
-    return Derivatives(d, dd, d2, by_x, by_v, mass)
+    return Derivatives(*slopes, by_x, by_v, mass)
 
 
 def by_inertia(

@@ -53,7 +53,7 @@ class Passing(Record):
         passed, count = jnp.array(False), 0
         for condition, direction in zip(self.conditions, self.directions, strict=True):
             # Sequential: a condition may call back to Python.
-            values = jax.lax.map(lambda place, condition=condition: condition(*place, None), at)
+            values = jax.lax.map(lambda place, condition=condition: condition(place[0], place[1], None), at)
             times_met = jnp.sum(_comes(values[:-1], values[1:], direction))
             count += times_met
             passed |= (times_met > 0) & ~_comes(values[0], values[-1], direction)

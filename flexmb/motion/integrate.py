@@ -233,8 +233,8 @@ def _integrated(
     start, begun = _started(equations, problem, span[0], reached.state)
     stretch = Span(span[0], span[1], times, problem.stops, problem.jumps)
     if recorded:
-        known = _forward(equations, stretch, start, integrator, reached.before, FIRST, every=True, recorded=True)
-        solved: Solved = known[0]
+        pair: Any = _forward(equations, stretch, start, integrator, reached.before, FIRST, every=True, recorded=True)
+        solved, known = pair[0], pair
     else:
         solved = _solved(equations, problem, integrator, stretch, start, reached.before, known=known)
     # Between steps the state is interpolated, off the constraints.

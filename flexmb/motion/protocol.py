@@ -74,43 +74,55 @@ class Equations(Protocol):
     @property
     def size(self) -> int:
         """Number n of positions and of velocities; states of a controller count as velocities."""
+        ...
 
     @property
     def states(self) -> int:
         """Number of states of a controller, the last velocities."""
+        ...
 
     @property
     def unknowns(self) -> int:
         """Number n + m of accelerations and multipliers."""
+        ...
 
     def state_of(
         self, x: Float[Array, "n_x"], xd: Float[Array, "n_x"], near: Float[Array, "n_e"] | None
     ) -> MotionState:
         """State of nodal coordinates, with the controller at its start; turns count from `near`, None for zero."""
+        ...
 
     def whole_motion(self, t: Float[Array, ""], state: MotionState) -> WholeMotion:
         """Motion of all coordinates in a state."""
+        ...
 
     def residual(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
         """R: forces out of balance along the free coordinates, and second rates of the constraints."""
+        ...
 
     def tangent(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Any:
         """Derivatives of R: a :class:`Tangent`, or element matrices with the same methods."""
+        ...
 
     def regular(self, by_z: Float[Array, "r r"]) -> Bool[Array, ""]:
         """Return whether every motion that the constraints allow has mass, from the derivative of R by z."""
+        ...
 
     def acceleration(self, t: Float[Array, ""], state: MotionState) -> tuple[Float[Array, "r"], Bool[Array, ""]]:
         """Return the z with R = 0, and whether every motion that the constraints allow has mass."""
+        ...
 
     def gap(self, t: Float[Array, ""], state: MotionState) -> Float[Array, "m"]:
         """Errors of the constraints with multipliers [m, rad]."""
+        ...
 
     def rate_of_memory(self, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "k"]:
         """Rate of the memory."""
+        ...
 
     def settle(self, t: Float[Array, ""], state: MotionState, mass: Float[Array, "n n"] | None = None) -> MotionState:
         """Return the state projected onto the constraints in a mass norm, with updated memory."""
+        ...
 
 
 def by_time(equations: Equations, t: Float[Array, ""], state: MotionState, z: Float[Array, "r"]) -> Float[Array, "r"]:
