@@ -152,11 +152,11 @@ UNTRACED_MADE = "robustness compiles, and the model or an answer cannot be trace
 UNTRACED = "tune needs derivatives, and the model or an answer cannot be traced by JAX"
 
 
-def answer_head(study: Any, version: str, result: RESULTS | None = None, message: str = "") -> dict[str, Any]:
-    """Return the first keys of an answer for JSON: of a search with its result, otherwise with a message."""
-    if result not in (None, RESULTS.successful):
-        message = result.message
-    status = "ok" if result in (None, RESULTS.successful) else result.name
+def answer_head(study: Any, version: str, result: RESULTS = RESULTS.successful, message: str = "") -> dict[str, Any]:
+    """Return the first keys of an answer for JSON; the result of a failed search gives status and message."""
+    status = "ok"
+    if result != RESULTS.successful:
+        status, message = result.name, result.message
     return {"study": study.name, "flexmb": version, "status": status, "message": message, "warnings": study.warnings}
 
 
@@ -168,10 +168,11 @@ def fields_of(found: Any, names: str) -> dict[str, Any]:
 def sweep_answer(study: Study, found: Sweep, version: str) -> dict[str, Any]:
     """Return a sweep as data for JSON."""
     failures = found.failures()
-    head = answer_head(study, version, message=", ".join(f"{n} designs: {name}" for name, n in failures.items()))
+    failed = sum(failures.values())
+    message = ", ".join(f"{n} designs: {name}" for name, n in failures.items())
     return {
-        **head,
-        "status": "ok" if sum(failures.values()) < len(found.codes) else "failed",
+        **answer_head(study, version, message=message),
+        "status": "ok" if failed < len(found.codes) else "failed",
         "axes": found.axes,
         "parameters": dict(found.designs),
         "answers": found.answers,
