@@ -242,7 +242,9 @@ def lean(
             names = tuple(str(full_model.labels.e[i]) for i in fixed)
             count = in_band(theirs, bandwidth) + 1
             question = bandwidth, tolerance, theirs[:count], small_responses[0].frequencies()[:count]
-            finer = build(**dict.fromkeys(beams, finest)) if questions and (build := _builder(model)) else full_model
+            finer = full_model
+            if questions and not isinstance(model, Model):
+                finer = model(**dict.fromkeys(beams, finest))
             against = {name: float(asked(name)(small) - asked(name)(finer)) / s for name, s in questions.items()}
             _tell_beyond_scatter(against)
             return Lean(small, full_model, error, beams, names, ties, *question, restriction, against)
@@ -251,10 +253,6 @@ def lean(
         f"No smaller model answers up to {bandwidth:g} Hz within {tolerance:g}. Allow a larger tolerance or ask for a"
         " smaller band.",
     )
-
-
-def _builder(model: Any) -> Callable[..., Model] | None:
-    return None if isinstance(model, Model) else model
 
 
 def _deviation(name: str, size: Any) -> float:

@@ -3,6 +3,7 @@
 import contextlib
 import difflib
 import errno
+import hashlib
 import os
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
@@ -20,7 +21,7 @@ from .robust import SAMPLES
 from .scatter import Scatter
 from .statistics import YIELD
 from .study import Study
-from .study_parts import Called, FromFile, NamedAnswer, function_of, sha256_of
+from .study_parts import Called, FromFile, NamedAnswer, function_of
 from .study_values import (
     Kind,
     as_choice,
@@ -140,7 +141,7 @@ def parameters_in(path: str | os.PathLike) -> tuple[str, dict[str, tuple[float, 
             bounded_values.setdefault(name, (float(first),))
     answers = reader.data.get("answers", {})
     named = [model, *(answers.values() if isinstance(answers, dict) else ())]
-    functions = [text for text in named if isinstance(text, str) and ":" in text and not text.endswith(".dat")]
+    functions = [text for text in named if isinstance(text, str) and is_function(text)]
     return model, bounded_values, functions
 
 
@@ -257,7 +258,7 @@ class StudyReader:
                 raise StudyError(f"{key}: it is a parameter too. Leave one of them out.")
             if not isinstance(values, list) or not values:
                 raise StudyError(f"{key} must be a list of values, but is {printable(repr(values))}.")
-            if not _is_function(self.data["model"]):
+            if not is_function(self.data["model"]):
                 values = [as_number(key, value) for value in values]
             elif not all(isinstance(value, bool | int | float | str) for value in values):
                 expected = "a list of numbers, words, true and false"
@@ -286,7 +287,7 @@ class StudyReader:
         """Return the function from the free parameters to the model."""
         text, release, folder = self.data["model"], self.data.get("release"), self.path.parent
         about = f"{self.name}: model"
-        if _is_function(text):
+        if is_function(text):
             if release is not None:
                 raise StudyError(
                     f"release is for a model in a file. Release inside the function '{printable(text)}' instead."
@@ -298,7 +299,7 @@ class StudyReader:
         release = as_choice("none", "auto")("release", "none" if release is None else release)
         source = folder / text
         try:
-            content = sha256_of(source)
+            content = hashlib.sha256(read_whole(source)).hexdigest()
         except (FileNotFoundError, NotADirectoryError):
             problem = f"there is no file '{printable(source)}', and '{printable(text)}' is no module:function"
             raise StudyError(f"model: {problem}.") from None
@@ -379,7 +380,7 @@ class StudyReader:
         return options
 
 
-def _is_function(model: str) -> bool:
+def is_function(model: str) -> bool:
     """Return whether the model of a study is a function."""
     return ":" in model and not model.endswith(".dat")
 

@@ -2,7 +2,6 @@
 
 import contextlib
 import dataclasses
-import hashlib
 import importlib
 import importlib.util
 import sys
@@ -15,7 +14,6 @@ import jax.errors
 import jax.numpy as jnp
 
 from ..errors import AnalysisError, ModelError, SpacarError, StudyError, first_line, printable
-from ..files import read_whole
 from ..model.model import Model
 from ..questions.question import Asked
 from ..spacar.read import read_spacar
@@ -94,11 +92,6 @@ class FromFile:
                 raise StudyError(f"{self.about}: [parameters] {name}: '{read.name}' has no {{{name}}}.")
         self.warnings[:] = read.warnings
         return read.builder.build(release=self.release)
-
-
-def sha256_of(source: Path) -> str:
-    """SHA-256 of a file."""
-    return hashlib.sha256(read_whole(source)).hexdigest()
 
 
 @dataclasses.dataclass(frozen=True)

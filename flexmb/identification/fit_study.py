@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..design.study import answer_head, fields_of
-from ..design.study_file import StudyReader
+from ..design.study_file import StudyReader, is_function
 from ..design.study_parts import function_of, naming_study
 from ..errors import StudyError, printable
 from ..spacar.read import read_spacar
@@ -106,7 +106,7 @@ def read_fit_study(path: str | os.PathLike) -> FitStudy:
 def _accepted(reader: StudyReader, values: Mapping[str, float]) -> set[str]:
     """Return the names of the parameters of the model of a study."""
     text, folder = reader.data["model"], reader.path.parent
-    if ":" in text and not text.endswith(".dat"):
+    if is_function(text):
         with contextlib.suppress(TypeError, ValueError):
             return set(inspect.signature(function_of("model", folder, text)).parameters)
         return set()

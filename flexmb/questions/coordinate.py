@@ -66,17 +66,13 @@ def _largest_displacement(state: Any) -> Any:
     return root_or_zero(jnp.max(jnp.sum(moved**2, axis=-1), axis=-1))
 
 
-def _unit_of_displacement(text: str, labels: Labels | None) -> str:
-    return _unit(text, labels) if text else "m"
-
-
 QUESTIONS = (
     Question("", ("node", "component"), _coordinate, _unit, kind="coordinate", of_many=True),
     Question(
         "displacement",
         ("node?", "axis"),
         _displacement,
-        _unit_of_displacement,
+        lambda text, labels: _unit(text, labels) if text else "m",
         "largest displacement",
         kind="coordinate",
         of_many=True,

@@ -1,7 +1,5 @@
 """Mass of the whole mechanism: "mass"."""
 
-from typing import Any
-
 from jaxtyping import Array, Float
 
 from ..compilation.compile import unguarded
@@ -30,8 +28,4 @@ def mass(model: Model) -> Float[Array, ""]:
     return _mass(as_model(model, "mass").topology, model.parameters)
 
 
-def _mass_of_model(state: Any, argument: str) -> Any:
-    return mass(model_of(state))
-
-
-QUESTIONS = (Question("mass", (), _mass_of_model, "kg"),)
+QUESTIONS = (Question("mass", (), lambda state, _: mass(model_of(state)), "kg"),)

@@ -119,7 +119,10 @@ class Asked:
         """The answers of all states of a path or a motion."""
         kind = result.states().kind
         question, argument = self.parsed(result.labels, kind)
-        values = question.value(result, argument) if question.of_many else _value_by_state(question, result, argument)
+        if question.of_many:
+            values = question.value(result, argument)
+        else:
+            values = [float(question.value(lin, argument)) for lin in each_linearization(result)]
         label = question.label if question.label and not argument else str(self.text)
         return Series(
             np.asarray(values), label, _unit(question, argument, result.labels), question.kind or question.name
@@ -149,10 +152,6 @@ def unit_of_question(text: str) -> str:
         return Asked(text).unit
     except KeyError:
         return "-"
-
-
-def _value_by_state(question: Question, result: Any, argument: str) -> np.ndarray:
-    return np.array([float(question.value(lin, argument)) for lin in each_linearization(result)])
 
 
 def each_linearization(result: Any) -> Iterator[Any]:
