@@ -1161,8 +1161,8 @@ FAULTS = [
     ),
     Fault(
         "elements/spectral_planar.py",
-        "block_diag(*sums)",
-        "block_diag(sums[0], 0.0 * sums[1])",
+        "(vectors), block_diag(*sums)",
+        "(vectors), block_diag(sums[0], 0.0 * sums[1])",
         "elements/test_damping.py -k spectral_beam_that_turns",
     ),
     Fault(
