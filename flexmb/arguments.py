@@ -37,11 +37,7 @@ def is_concrete(tree: Any) -> bool:
 
 def undifferentiated(tree: Any) -> Any:
     """A pytree whose numbers have no derivatives: numbers that only ``jax.grad`` traces become known."""
-
-    def known(leaf: Any) -> Any:
-        return jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf
-
-    return jax.tree.map(known, tree)
+    return jax.tree.map(lambda leaf: jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf, tree)
 
 
 def require_double_precision() -> None:

@@ -596,7 +596,15 @@ def demo(
     if to is not None:
         _copy(path, to)
         return
-    picture = _demo_picture(name)
+    import tempfile
+
+    from .files import check_writable
+
+    picture = Path.cwd() / f"{name}.png"
+    try:
+        check_writable(picture)
+    except OSError:
+        picture = Path(tempfile.mkdtemp()) / picture.name
     for number in (0, 7, 9):
         _run(path, number, plot=picture if number == 7 else None)
         _print_text("")
@@ -615,20 +623,6 @@ def _copy(path: Path, to: Path) -> None:
             _refuse(f"flexmb demo: '{printable(target)}' is there already and differs; move it away first.")
         write_whole(target, content)
     _print_text(str(target))
-
-
-def _demo_picture(name: str) -> Path:
-    """Path of the demo's picture: here, or a temporary folder if this folder is not writable."""
-    import tempfile
-
-    from .files import check_writable
-
-    path = Path.cwd() / f"{name}.png"
-    try:
-        check_writable(path)
-    except OSError:
-        return Path(tempfile.mkdtemp()) / path.name
-    return path
 
 
 def _study(
@@ -703,7 +697,7 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
         from .files import save_arrays
 
         names = [*read.values, *read.answers]
-        for name in {"about", *_named("history_", [*names, "objective", "violation"])}.intersection(names):
+        for name in {"about", *(f"history_{name}" for name in (*names, "objective", "violation"))}.intersection(names):
             if save is not None:
                 _refuse(
                     f"flexmb: {read.name}: '{name}' is a name that --save uses for another array: choose another name."
@@ -713,7 +707,7 @@ def tune(study: StudyFile, json_path: Json = None, save: Save = None, plot: Stud
 
         def saved(path: Path):
             about = {name: data[name] for name in ("study", "status", "reason", "active")}
-            histories = dict(zip(_named("history_", result.history), result.history.values(), strict=True))
+            histories = {f"history_{name}": values for name, values in result.history.items()}
             save_arrays(path, {**result.dimensions, **result.answers, **histories}, about)
 
         return data, str(result), saved, result
@@ -763,10 +757,6 @@ def fit(
         return data, str(result), saved, result
 
     _study("fit", study, json_path, save, plot, work, read_study)
-
-
-def _named(before: str, names: Iterable[str]) -> list[str]:
-    return [before + name for name in names]
 
 
 @command

@@ -78,7 +78,8 @@ class ByName:
         (states, 3) [rad], with a length of at most a full turn; the deformation of a hinge counts past full turns.
         Differentiable at zero rotation too. Raises KeyError: No such node or component, or the node has no rotation.
         """
-        return self._turned(self.x, node, component, lambda _, values: _vectors(values))
+        vectors = jnp.vectorize(rotation_vector, signature="(n)->(m)")
+        return self._turned(self.x, node, component, lambda _, values: vectors(values))
 
     def velocity(self: Any, node: str, component: str | None = None) -> Float[Array, "..."]:
         """Return velocities of a node's coordinates; for its rotation see :meth:`angular_velocity`.
@@ -257,11 +258,6 @@ def _array_of(result: Any, quantity: str) -> Any:
     except AttributeError as error:
         name, where = _HELD[quantity]
         raise AttributeError(f"This {type(result).__name__} has no {name}: {where}.") from error
-
-
-def _vectors(lam: Any) -> Any:
-    """Rotation vectors of Euler parameters."""
-    return jnp.vectorize(rotation_vector, signature="(n)->(m)")(lam)
 
 
 def _with_lbar(lam: Any, values: Any, factor: float) -> Any:
