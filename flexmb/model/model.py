@@ -272,8 +272,7 @@ class Model(Result, Record):
             ModelError: An element or the property does not exist, the count of numbers is wrong, or ``build`` would
                 refuse the numbers.
         """
-        changed = with_property(self.topology, self.parameters, self.labels, path, values, elements)
-        return dataclasses.replace(self, parameters=changed)
+        return dataclasses.replace(self, parameters=with_property(self, path, values, elements))
 
     @property
     def q_labels(self) -> list[str]:

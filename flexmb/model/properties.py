@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments import check_numbers, is_concrete, nan_if_refused, short_repr
 from ..elements.sections import Rectangle
 from ..errors import ModelError
-from .topology import Parameters, Topology
+from .topology import Parameters
 
 # Sizes of a rectangle, whose changes along leaf springs in line are steps.
 SIZES = ("width", "thickness")
@@ -26,18 +26,16 @@ class _Stack(NamedTuple):
     properties: dict[str, Any]
 
 
-def with_property(
-    topology: Topology, parameters: Parameters, labels: Any, path: str, values: Any, elements: Sequence[str] | None
-) -> Parameters:
+def with_property(model: Any, path: str, values: Any, elements: Sequence[str] | None) -> Parameters:
     """Parameters with other numbers for a property; see :meth:`flexmb.model.model.Model.with_property`."""
     if not isinstance(path, str):
         raise ModelError(
             f"Argument `path` must name a property, such as 'section.thickness', but is {short_repr(path)}."
         )
     keys = path.split(".")
-    stacks = [stack for stack in _stacks(topology, parameters, labels) if _is_number(stack.properties, keys)]
+    stacks = [stack for stack in _stacks(model) if _is_number(stack.properties, keys)]
     having = {name for stack in stacks for name in stack.names}
-    targets = [name for name, *_ in labels.elements if name in having] if elements is None else list(elements)
+    targets = [name for name, *_ in model.labels.elements if name in having] if elements is None else list(elements)
     if strangers := [name for name in targets if name not in having]:
         raise ModelError(f"Element '{strangers[0]}' has no property '{path}' that is one number.")
     if elements is not None and not targets:
@@ -52,8 +50,8 @@ def with_property(
         # What is traced equals nothing, unless it is one number for all.
         known = numbers if is_concrete(numbers) else np.full(len(targets), np.nan)
         sizes = [values] * len(targets) if np.ndim(values) == 0 else known
-        _check_steps(topology, parameters, labels, keys[1], dict(zip(targets, sizes, strict=True)))
-    properties: list[dict[str, Any]] = list(parameters.properties)
+        _check_steps(model, keys[1], dict(zip(targets, sizes, strict=True)))
+    properties: list[dict[str, Any]] = list(model.parameters.properties)
     for block, kind, names, stacked in stacks:
         rows = [row for row, name in enumerate(names) if name in place]
         if not rows:
@@ -70,16 +68,16 @@ def with_property(
         else:
             kinds = properties[block]["section"]
             properties[block] = {**properties[block], "section": (*kinds[:kind], section, *kinds[kind + 1 :])}
-    return dataclasses.replace(parameters, properties=tuple(properties))
+    return dataclasses.replace(model.parameters, properties=tuple(properties))
 
 
-def _check_steps(topology: Topology, parameters: Parameters, labels: Any, size: str, numbers: dict[str, Any]) -> None:
+def _check_steps(model: Any, size: str, numbers: dict[str, Any]) -> None:
     """Refuse sizes that make or change a step between two leaf springs in line, which only a build can find."""
-    rotations = {entry.of for entry in labels.x if entry.kind == "rotation"}
-    ends_of = {name: [node for node in nodes if node in rotations] for name, _, nodes in labels.elements}
+    rotations = {entry.of for entry in model.labels.x if entry.kind == "rotation"}
+    ends_of = {name: [node for node in nodes if node in rotations] for name, _, nodes in model.labels.elements}
     meeting: dict[str, dict[str, tuple[bool, bool, Any]]] = {}
-    for stack in _stacks(topology, parameters, labels):
-        if not topology.blocks[stack.block].element.fields or "clamped" not in stack.properties:
+    for stack in _stacks(model):
+        if not model.topology.blocks[stack.block].element.fields or "clamped" not in stack.properties:
             continue
         clamped, section = stack.properties["clamped"], stack.properties["section"]
         for row, name in enumerate(stack.names):
@@ -120,11 +118,11 @@ def _numbers(path: str, values: Any, count: int) -> Any:
     return np.asarray(values, float) if is_concrete(values) else jnp.asarray(values, float)
 
 
-def _stacks(topology: Topology, parameters: Parameters, labels: Any) -> Iterator[_Stack]:
-    for i, (block, properties) in enumerate(zip(topology.blocks, parameters.properties, strict=True)):
+def _stacks(model: Any) -> Iterator[_Stack]:
+    for i, (block, properties) in enumerate(zip(model.topology.blocks, model.parameters.properties, strict=True)):
         if not block.e.shape[1]:  # Such as masses, which have no names.
             continue
-        names = [labels.e[i].of for i in np.asarray(block.e)[:, 0]]
+        names = [model.labels.e[i].of for i in np.asarray(block.e)[:, 0]]
         if not isinstance(properties.get("section"), tuple):
             yield _Stack(i, None, names, properties)
             continue
