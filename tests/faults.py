@@ -2276,7 +2276,7 @@ FAULTS = [
     ),
     Fault(
         "paths/walk.py",
-        "self.steps.append(crossing.zero.step)",
+        "self.steps.append(at)",
         "self.steps.append(taken.end)",
         "paths/test_stops.py -k load_factors",
     ),

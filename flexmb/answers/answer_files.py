@@ -55,12 +55,7 @@ def _flat(data: dict[str, Any]) -> dict[str, Any]:
 
 
 def save(data: dict[str, Any], path: str | os.PathLike) -> None:
-    """Save an answer as .npz or .mat, by the ending of the path.
-
-    Raises:
-        ValueError: Another ending.
-        OSError: The folder is missing or not writable.
-    """
+    """Save an answer as .npz or .mat, by the ending of the path."""
     write_arrays(Path(path), _flat(data))
 
 

@@ -44,11 +44,7 @@ class ModeRequest:
         return sys.stderr.isatty() if self.progress is None else self.progress
 
     def checked(self) -> Model:
-        """The mechanism with its degrees of freedom, checked.
-
-        Raises:
-            MechanismError: It is over- or under-constrained.
-        """
+        """The mechanism with its degrees of freedom, checked."""
         self.model = self.builder.build(dofs=self.dofs, release=self.release)
         return self.model
 
@@ -59,12 +55,7 @@ class ModeRequest:
         return lin
 
     def linearized(self) -> Linearization:
-        """The linearisation about the equilibrium under the constant loads.
-
-        Raises:
-            MechanismError: As for :meth:`checked`.
-            AnalysisError: There is no equilibrium.
-        """
+        """The linearisation about the equilibrium under the constant loads."""
         return self.about(linearize(self.checked(), increment=0.0))
 
 

@@ -69,11 +69,7 @@ PARTLY = (
 
 
 def times_of(name: str, settings: dict[str, Any], numbers: int = 1, needed: str = "") -> np.ndarray:
-    """Output times that TIMESTEP asks for, (n_t,) [s].
-
-    Raises:
-        SpacarError: There is no TIMESTEP, or the answer would be too large.
-    """
+    """Output times that TIMESTEP asks for, (n_t,) [s]; SpacarError without one, or if the answer would be too large."""
     if "TIMESTEP" not in settings:
         problem = (
             f"{needed}: needs TIMESTEP in the dynamics block" if needed else f"{name}: TIMESTEP: modes 1 and 4 need it"

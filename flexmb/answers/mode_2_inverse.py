@@ -86,12 +86,7 @@ def _idle_velocities(asked: ModeRequest, released: bool) -> list[str]:
 
 
 def nominal_motion(asked: ModeRequest, number: int) -> tuple[Nominal, list[str]]:
-    """The motion along the trajectory of a file, with its nominal inputs and reference outputs.
-
-    Raises:
-        SpacarError: The file says no trajectory or no times, or its nominal inputs do not fit.
-        MechanismError, ModelError, AnalysisError: As of the builder and of ``inverse_dynamics``.
-    """
+    """The motion along the trajectory of a file, with its nominal inputs and reference outputs."""
     settings, ways = asked.settings, ways_of(asked.settings)
 
     def refuse(keyword: str, text: str, line: int | None = None) -> NoReturn:

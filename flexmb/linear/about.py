@@ -104,16 +104,7 @@ def check_state(at: Any, model: Model, function: str) -> None:
 
 
 def linearized(given: Any, function: str, throw: bool = True, where: Where | None = None) -> Linearization:
-    """Linearization that a public function is asked about, in the degrees of freedom.
-
-    Args:
-        given: Model, linearised about its equilibrium or the state of ``where``; or Linearization, which is returned.
-
-    Raises:
-        TypeError: `given` is neither, or is sparse.
-        ValueError: `given` is a linearisation along a motion, or arguments exclude each other.
-        AnalysisError: The equilibrium was not found.
-    """
+    """Linearization that a public function is asked about, in the degrees of freedom: ``given``, or of a model."""
     require_double_precision()
     where = where or Where()
     is_linearized = isinstance(given, Linearization)
@@ -143,15 +134,8 @@ def by_elements(
 ) -> Linearization | None:
     """Linearization for sparse matrices; None if dense matrices answer.
 
-    Args:
-        given: Model, or its linearisation.
-        solver: Solver wanted; None: sparse factors for a large mechanism.
-        few: Whether sparse matrices are worth it.
-        throw: Whether a failure raises, as it always does with sparse matrices.
-
-    Raises:
-        ValueError: ``solver`` does not suit what is given, or ``at`` is of another model.
-        AnalysisError: The equilibrium was not found.
+    Without a ``solver`` a large mechanism has sparse factors, if ``few`` (they are worth it) and ``throw`` (a failure
+    raises, as it always does with sparse matrices).
     """
     at, is_linearized = where.at, isinstance(given, Linearization)
     of_path = isinstance(at, ManyStates) and at.by_sparse

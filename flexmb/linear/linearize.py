@@ -401,7 +401,7 @@ def about_state(model: Model, factors: LoadFactors, at: Any, solver: LinearSolve
     factors = LoadFactors(*(jnp.asarray(factor, float) for factor in factors))
     elements = moving_element_matrices(model.topology, model.parameters, factors, *at[:3])
     symmetric = not lacks_potential(model.topology)
-    return Linearization(LargeMatrices(elements, *at, factors, symmetric, solver), model)
+    return Linearization(LargeMatrices(elements, *at, factors=factors, symmetric=symmetric, solver=solver), model)
 
 
 @one_thread()
@@ -436,15 +436,7 @@ def _matrices_of(
 
 
 def linearized_about(model: Model, at: Equilibrium, function: str, solver: LinearSolver | None = None) -> Linearization:
-    """Linearised equations about an equilibrium that has been found, under its loads.
-
-    Args:
-        solver: Solver of equations in all coordinates; None for equations in the degrees of freedom.
-
-    Raises:
-        AnalysisError: The equilibrium was not found.
-        TypeError: The equilibrium does not know its loads, or the numbers of the model are traced.
-    """
+    """Linearised equations about an equilibrium; without a ``solver`` of large ones in the degrees of freedom."""
     if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
         raise TypeError(
             f"Argument `at` of fm.{function} is an Equilibrium without its model and loads, such as inside jax.jit and"

@@ -407,10 +407,10 @@ def sparse_multipliers(
     About the equilibrium under ``target``, or another state ``about`` with these loads. THEORY.md 7, eq. (7.4), with
     multipliers in place of degrees of freedom; derivative eq. (7.19), of the multipliers alone.
     """
-    topology, *arguments = _about(model, target, count, about)
-    buckled, moved = _load_multipliers(topology, *arguments, solver)
+    topology, parameters, factors, at, number = _about(model, target, count, about)
+    buckled, moved = _load_multipliers(topology, parameters, factors, at, number, solver)
     # Under a trace, an equilibrium that was not found cannot raise.
-    code = jnp.asarray(arguments[2].result)
+    code = jnp.asarray(at.result)
     values = jnp.where((code == RESULTS.successful) | (code == RESULTS.critical_state), buckled.values, jnp.nan)
     motions = as_known(buckled.motions)
     zeros = library_of(motions).zeros((topology.n_x, motions.shape[1]))

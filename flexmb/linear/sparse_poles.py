@@ -117,10 +117,6 @@ def poles_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver 
     ``count`` of them, one more if the last is one of a complex pair, fewer if there are fewer; K and C may be
     unsymmetric.
 
-    Raises:
-        ModelError: ``count`` is too large a part of very many.
-        AnalysisError: singular_stiffness or not_converged.
-
     Source:
         THEORY.md 7, eq. (7.3) and (7.20); implicitly restarted Arnoldi method of ARPACK (Lehoucq, Sorensen, Yang 1998).
     """

@@ -330,10 +330,6 @@ def lowest_of_sparse(whole: AssembledEquations, count: int, solver: LinearSolver
 
     M has no negative eigenvalues under the constraints.
 
-    Raises:
-        ModelError: ``count`` is too large a part of very many.
-        AnalysisError: singular_stiffness or not_converged.
-
     Source:
         THEORY.md 7, eq. (7.16); shift-inverted Lanczos method of ARPACK.
     """

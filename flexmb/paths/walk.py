@@ -471,7 +471,9 @@ class Walker:
             if touched:
                 nearest = int(turn.step.below) + int(np.argmin(np.abs(turn.step.values)))
                 return [Crossing(turn, "bifurcation", nearest)]
-            if alone and self.vanishes(low, begin, turn.step, end):
+            # Whether the value that changes its sign is zero where the load turns back.
+            at_turn, *at_ends = (abs(step.critical_value(low)) for step in (turn.step, begin, end))
+            if alone and at_turn <= VANISHED_VALUE * max(at_ends):
                 return [Crossing(turn, "limit", low)]
         crossings = []
         for j in range(low, high):
@@ -484,11 +486,6 @@ class Walker:
             i = min(range(len(crossings)), key=lambda i: abs(crossings[i].zero.length - turn.length))
             crossings[i] = Crossing(turn, "limit", crossings[i].number)
         return sorted(crossings, key=lambda f: f.zero.length)
-
-    def vanishes(self, number: int, begin: Step, at: Step, end: Step) -> bool:
-        """Whether a critical value that changes its sign on a step is zero where the load turns back."""
-        size = abs(at.critical_value(number))
-        return size <= VANISHED_VALUE * max(abs(step.critical_value(number)) for step in (begin, end))
 
     def finish(self, begin: Step, length: float, end: Step, crossed: list[Crossing]) -> AcceptedStep | None:
         """The step up to the first place where a condition is met; None if the path jumps."""
@@ -562,13 +559,6 @@ class Walker:
             directions.append(phi)
             loaded.append(along)
         return directions, loaded
-
-    def name(self, crossing: Crossing, phi: Direction) -> None:
-        """Add a critical point."""
-        at: Any = crossing.zero.step
-        motion: Any = phi.x
-        self.critical_steps.append(at)
-        self.critical.append(CriticalPoint(at.load, crossing.kind, at.point.x, motion, crossing.zero.uncertainty))
 
     def is_neutral(self, taken: AcceptedStep, crossing: Crossing, phi: Direction) -> bool:
         """Whether a motion meets no stiffness on the branch that leaves a bifurcation along another motion."""
@@ -726,9 +716,12 @@ class Walker:
         for i, (crossing, phi) in enumerate(zip(taken.crossed, motions, strict=True)):
             if taken.last is not None and crossing.zero.length > taken.last.length:
                 break
-            self.name(crossing, phi)
+            at = crossing.zero.step
+            self.critical_steps.append(at)
+            numbers: Any = at.load, crossing.kind, at.point.x, phi.x, crossing.zero.uncertainty
+            self.critical.append(CriticalPoint(*numbers))
             if len(self.critical) == self.most:
-                self.steps.append(crossing.zero.step)
+                self.steps.append(at)
                 self.ended = COUNT
                 break
             number = sum(point.kind == "bifurcation" for point in self.critical)
@@ -743,5 +736,5 @@ class Walker:
                 if along_phi > along_load:
                     # The walk came along phi: the other branch follows the load.
                     phi, others = loaded[i], []
-                return self.branch(crossing.zero.step, phi, others, side) or RESULTS.not_converged
+                return self.branch(at, phi, others, side) or RESULTS.not_converged
         return None

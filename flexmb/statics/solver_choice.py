@@ -24,15 +24,7 @@ MANY = 2000
 
 
 def asked_solver(sparse: Any, solver: Any) -> LinearSolver | None:
-    """Return the solver that ``solver`` or ``sparse`` selects; None if the size of the model decides.
-
-    Args:
-        sparse: True, False or None.
-        solver: "sparse", "dense", a :class:`LinearSolver` or None.
-
-    Raises:
-        TypeError, ValueError: An argument has another type or value, or the arguments contradict each other.
-    """
+    """Return the solver that ``solver`` or ``sparse`` selects; None if the size of the model decides."""
     if sparse is not None:
         check_flag("sparse", sparse)
     by_flag = None if sparse is None else (SPARSE if sparse else DENSE)
