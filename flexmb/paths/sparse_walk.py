@@ -44,11 +44,9 @@ class InCoordinates:
 
         def at_load(load: Float[Array, ""]):
             factors = factors_at(parameters, load)
-            stress, forces = (
-                elastic_stress(topology, parameters, factors, strained),
-                nodal_forces(topology, parameters, factors, x),
-            )
-            return *prescribed_values(topology, parameters, factors), stress, forces
+            stress = elastic_stress(topology, parameters, factors, strained)
+            force = nodal_forces(topology, parameters, factors, x)
+            return *prescribed_values(topology, parameters, factors), stress, force
 
         (*prescribed, _, _), (moving, growing, by_stress, by_force) = jax.jvp(at_load, (point.load,), (jnp.ones(()),))
         trial = Iterate(x, point.near, strained, point.multipliers)
