@@ -99,12 +99,6 @@ def sources(plant: Plant, found: list[Placed], token: str, fmi: int, settable: b
     return files
 
 
-def matrix_table(plant: Plant) -> bytes:
-    """Matrices in the unit's file: a one, then each matrix at all knots."""
-    values = [np.ones(1), *(np.ravel(m) for m in plant.matrices.values())]
-    return np.concatenate(values).astype("<f8").tobytes()
-
-
 def _data(plant: Plant, variables: list[Placed], token: str, fmi: int, settable: bool) -> str:
     n_t = 0 if plant.source else 1 if plant.times is None else len(plant.times)
     kinds = {
@@ -309,7 +303,9 @@ def _plant_of(system: Any, modes: Any, bandwidth: Any, substep: float | None) ->
 def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[Variable, ...]]:
     """Content of the file, place of its library for this platform, and parameters that importers can set."""
     settable = bool(plant.matrices) and sum(m.size for m in plant.matrices.values()) <= MOST_SETTABLE[fmi]
-    identifier = _identifier(title)
+    # C name of the unit's functions.
+    identifier = re.sub(r"\W", "_", title, flags=re.ASCII)
+    identifier = f"_{identifier}" if identifier[0].isdigit() else identifier
     placed_variables = ordered_variables(plant, settable)
     check_unique_names(plant, placed_variables)
     listed = list(scalars(placed_variables)) if fmi == 2 else placed_variables
@@ -320,7 +316,11 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
 
     # The token follows from the content of the unit: the same content has the same token.
     of_c, xml = contents("")
-    resources = {} if settable or plant.source else {f"resources/{TABLE_FILE}": matrix_table(plant)}
+    resources = {}
+    if plant.matrices and not settable:
+        # A one, then each matrix at all knots.
+        table = np.concatenate([np.ones(1), *(np.ravel(m) for m in plant.matrices.values())])
+        resources[f"resources/{TABLE_FILE}"] = table.astype("<f8").tobytes()
     digest = hashlib.sha256()
     for name, content in sorted({**of_c, "xml": xml, **resources}.items()):
         digest.update(f"{name} {len(content)} ".encode() + content)
@@ -341,12 +341,6 @@ def _unit(plant: Plant, title: str, fmi: int) -> tuple[bytes, str | None, tuple[
         )
     parameters = tuple(entry.variable for entry in placed_variables if entry.kind == "parameter")
     return _packed(files), binary, parameters
-
-
-def _identifier(title: str) -> str:
-    """C name of the unit's functions."""
-    name = re.sub(r"\W", "_", title, flags=re.ASCII)
-    return f"_{name}" if name[0].isdigit() else name
 
 
 def _packed(files: dict[str, bytes]) -> bytes:
