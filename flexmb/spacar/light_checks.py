@@ -16,20 +16,18 @@ MANY_STEPS = 100
 
 def check_script(script: Script) -> None:
     """Raise ModelError with one line a fault; add ``sets`` and warnings to the script, and convert some options."""
-    faults = list(_connections(script)) or _faults(script)
+    faults = list(_connections(script))
+    if not faults:
+        faults += _membership(script)
+        for number in sorted(script.eprops):
+            faults += _set(script, number)
+        if is_concrete(script.nodes):
+            faults += _lengths(script)
+        for number in sorted(script.nprops):
+            faults += _node(script, number)
+        faults += [*_supports(script), *_options(script)]
     if faults:
         raise ModelError("\n".join(faults))
-
-
-def _faults(script: Script) -> list[str]:
-    faults = list(_membership(script))
-    for number in sorted(script.eprops):
-        faults += _set(script, number)
-    if is_concrete(script.nodes):
-        faults += _lengths(script)
-    for number in sorted(script.nprops):
-        faults += _node(script, number)
-    return faults + list(_supports(script)) + list(_options(script))
 
 
 def acts(value: Any) -> bool:

@@ -134,17 +134,11 @@ def _warn_of_parts(motion: Motion, input_motion: np.ndarray, every: np.ndarray, 
 
 def freedoms_of(motion: Motion) -> tuple[Float[Array, "n_t n_q"], Float[Array, "n_t n_q"]]:
     """Degrees of freedom along a motion, from the undeformed mechanism, and their rates [m, rad; 1/s]."""
-    return _freedoms(motion.model.topology, motion.model.parameters, motion.x, motion.xd, motion.near)
+    return _freedoms(motion.model.topology, motion.model.parameters, (motion.x, motion.xd, motion.near))
 
 
 @jit_beside_options
-def _freedoms(
-    topology: Topology,
-    parameters: Parameters,
-    x: Float[Array, "n_t n_x"],
-    xd: Float[Array, "n_t n_x"],
-    near: Float[Array, "n_t n_e"],
-):
+def _freedoms(topology: Topology, parameters: Parameters, rows: tuple[Array, ...]):
     form = coordinates_form(topology, parameters)
 
     def at_one_time(at: tuple[Array, ...]):
@@ -153,7 +147,7 @@ def _freedoms(
         freedoms = jnp.concatenate([(x - parameters.reference)[topology.x.dof], e[topology.e.dof]])
         return freedoms, jnp.concatenate([xd[topology.x.dof], (jacobian @ xd)[topology.e.dof]])
 
-    return jax.lax.map(at_one_time, (x, xd, near))
+    return jax.lax.map(at_one_time, rows)
 
 
 def loads_of_freedoms(top: Topology, t: Float[Array, "n_t"], f: Float[Array, "n_t n_q"]) -> tuple[Driven, ...]:

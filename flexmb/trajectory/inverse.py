@@ -622,11 +622,7 @@ class _Follower(NamedTuple):
 
 
 def _inputs_needed(
-    residual: Callable[[Float[Array, "n_u"]], Float[Array, "n_q"]],
-    needed: Float[Array, "n_q"],
-    n_u: int,
-    driven: Int[Array, "k"],
-    acting: tuple[int, ...],
+    residual: Callable, needed: Float[Array, "n_q"], n_u: int, driven: Int[Array, "k"], acting: tuple[int, ...]
 ) -> tuple[Float[Array, "n_u"], Float[Array, "n_q"], Bool[Array, ""]]:
     """Driving inputs, holding forces, and whether these inputs can drive."""
     if not acting:

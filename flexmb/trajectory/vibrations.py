@@ -84,8 +84,8 @@ class Perturbation(Result, Record):
         nominal = self.nominal
         model = nominal.model
         q, qd = freedoms_of(nominal)
-        moved = (nominal.t, nominal.x, nominal.near, self.q, q + self.q, qd + self.qd)
-        x, xd, last_strain = _placed(model.topology, model.parameters, nominal.driven, *moved)
+        rows = nominal.t, nominal.x, nominal.near, self.q, q + self.q, qd + self.qd
+        x, xd, last_strain = _placed(model.topology, model.parameters, nominal.driven, rows)
         steps = (nominal.t.shape[0] - 1) * self.substeps
         driven = nominal.driven
         if not is_concrete(self.held) or np.any(np.asarray(self.held)):
@@ -111,17 +111,7 @@ class Perturbation(Result, Record):
 
 
 @jit_beside_options
-def _placed(
-    topology: Topology,
-    parameters: Parameters,
-    driven: tuple[Driven, ...],
-    t: Float[Array, "n_t"],
-    x: Float[Array, "n_t n_x"],
-    near: Float[Array, "n_t n_e"],
-    change: Float[Array, "n_t n_q"],
-    q: Float[Array, "n_t n_q"],
-    qd: Float[Array, "n_t n_q"],
-):
+def _placed(topology: Topology, parameters: Parameters, driven: tuple[Driven, ...], rows: tuple[Array, ...]):
     """Configurations, velocities and deformations at changed degrees of freedom along a motion."""
     form = coordinates_form(topology, parameters, driven)
     still = jnp.zeros(topology.n_q)
@@ -132,7 +122,7 @@ def _placed(
         x, last_strain = form.placed(form.whole(t), q, guess, last_strain)
         return x, state_at_rates(form, t, x, qd, still, last_strain).v, last_strain
 
-    return jax.lax.map(at_one_time, (t, x, near, change, q, qd))
+    return jax.lax.map(at_one_time, rows)
 
 
 @jit
