@@ -144,7 +144,7 @@ class TimeVarying(Labelled, Record):
         u: Any = None,
         initial: ArrayLike | None = None,
         *,
-        rtol: float = 1e-6,
+        rtol: float | None = None,
         substeps: int | None = None,
     ) -> tuple[Float[Array, "n_y k"], Float[Array, "n_z k"]]:
         """Return outputs and states over time, as differentiable arrays.
@@ -154,7 +154,7 @@ class TimeVarying(Labelled, Record):
             u: Inputs at these times, linear in between: (n_u, k), or (k,) for a single input, or a dictionary of (k,)
                 by name. In a dictionary, missing inputs are zero. None: all inputs are zero.
             initial: States at the first time, (n_z,); None: zero.
-            rtol: Wanted error, relative to the largest value of each output [-].
+            rtol: Wanted error, relative to the largest value of each output [-]; None: 1e-6. Not beside ``substeps``.
             substeps: Integration steps between two times; None: as many as ``rtol`` needs, or 4 under a trace.
 
         Returns:
@@ -179,7 +179,9 @@ class TimeVarying(Labelled, Record):
             return float(jnp.max(jnp.where(size > 0, off / jnp.where(size > 0, size, 1.0), 0.0), initial=0.0))
 
         traced = not is_concrete((self, times, u, start))
-        return with_halved_steps(run, difference, substeps, rtol, traced, "The response of the time-varying system")[0]
+        return with_halved_steps(
+            run, difference, substeps, rtol, 1e-6, traced, "The response of the time-varying system"
+        )[0]
 
     def response(
         self,
@@ -187,7 +189,7 @@ class TimeVarying(Labelled, Record):
         u: Any = None,
         initial: ArrayLike | None = None,
         *,
-        rtol: float = 1e-6,
+        rtol: float | None = None,
         substeps: int | None = None,
     ) -> control.TimeResponseData:
         """Return the response to inputs and an initial state, like ``control.forced_response`` for a constant system.

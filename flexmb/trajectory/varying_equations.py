@@ -118,7 +118,13 @@ def integrate_varying(
 
 
 def with_halved_steps(
-    run: Callable[..., Any], apart: Callable[[Any, Any], float], substeps: Any, rtol: Any, traced: bool, what: str
+    run: Callable[..., Any],
+    apart: Callable[[Any, Any], float],
+    substeps: int | None,
+    rtol: float | None,
+    default: float,
+    traced: bool,
+    what: str,
 ) -> tuple[Any, float, int]:
     """Result of a run of order five, with twice as many steps until it hardly changes; its error; its number of steps.
 
@@ -128,10 +134,17 @@ def with_halved_steps(
         run: Function of the number of steps from one time to the next: the keyword ``substeps``, a Python integer, if
             given or under a trace, else an array, so that one program serves all numbers.
 
+    Raises:
+        ValueError: ``rtol`` is given beside ``substeps`` or under a trace, where it has no effect.
+
     Warns:
-        FlexmbWarning: The error does not reach ``rtol``.
+        FlexmbWarning: The error does not reach ``rtol``, or ``default`` if ``rtol`` is None.
     """
-    check_number("rtol", rtol, above=0)
+    if rtol is not None and substeps is not None:
+        raise ValueError("Give either `rtol` or `substeps`: with `substeps` the number of steps is fixed.")
+    if rtol is not None and traced:
+        raise ValueError("Under a trace the number of steps is fixed; `rtol` has no effect. Give `substeps`.")
+    rtol = check_number("rtol", default if rtol is None else rtol, above=0)
     if substeps is not None or traced:
         count = TRACED if substeps is None else check_whole("substeps", substeps, 1)
         return run(substeps=count), np.nan, count

@@ -209,7 +209,7 @@ def perturbation(
     u: ArrayLike | None = None,
     held: Sequence[str] = (),
     modes: int | None = None,
-    rtol: float = 1e-4,
+    rtol: float | None = None,
     substeps: int | None = None,
 ) -> Perturbation:
     """Return vibrations of small amplitude on top of a nominal motion: modes 5 and 6 of SPACAR.
@@ -229,7 +229,8 @@ def perturbation(
         held: Names of degrees of freedom that follow the nominal motion exactly, as with a stiff servo.
         modes: Number of slowly varying modes to integrate; None: all degrees of freedom. Other motions respond
             quasi-statically.
-        rtol: Wanted error of the time steps, relative to the largest displacement of the vibrations [-].
+        rtol: Wanted error of the time steps, relative to the largest displacement of the vibrations [-]; None: 1e-4.
+            Not beside ``substeps``.
         substeps: Time steps between two times; None: as many as ``rtol`` needs, or 4 under a trace.
 
     Returns:
@@ -238,7 +239,7 @@ def perturbation(
     Raises:
         TypeError: The argument is neither a Nominal nor a Motion.
         ValueError: Sizes do not agree; a degree of freedom is unknown, or all of them are held; ``modes`` exceeds the
-            number of degrees of freedom.
+            number of degrees of freedom; ``rtol`` is given beside ``substeps`` or under a trace.
         AnalysisError: The degrees of freedom do not determine the configuration at a time, or between two times.
 
     Warns:
@@ -282,7 +283,7 @@ def perturbation(
 
     traced = not is_concrete((m, start, force))
     run = partial(_vibrations, equations, *start)
-    (solution, rates), error, count = with_halved_steps(run, difference, substeps, rtol, traced, "The vibration")
+    (solution, rates), error, count = with_halved_steps(run, difference, substeps, rtol, 1e-4, traced, "The vibration")
     moved, moving = full_motion(solution, rates)
     holding = holding - _servo_forces(m, force, free_indices, moved, moving)
     return Perturbation(t, moved, moving, inputs, holding, motion, jnp.asarray(error), jnp.asarray(count))

@@ -104,6 +104,14 @@ def test_response_of_the_elevator_against_an_integration_by_scipy(elevator):
     np.testing.assert_allclose(found.outputs, exact[:3], atol=1e-6 * np.max(np.abs(exact[:3])))
 
 
+def test_tolerance_beside_a_number_of_steps_is_refused(elevator):
+    times, u = TIMES[:3], np.zeros(3)
+    with pytest.raises(ValueError, match="either `rtol` or `substeps`"):
+        elevator.solution(times, u, rtol=1e-9, substeps=1)
+    with pytest.raises(ValueError, match="Under a trace the number of steps is fixed"):
+        jax.jit(lambda u: elevator.solution(times, u, rtol=1e-9))(u)
+
+
 @pytest.mark.slow
 def test_response_of_a_system_that_stays_is_that_of_control(elevator):
     times, u = np.linspace(0.0, 0.5, 26), np.cos(9 * np.linspace(0.0, 0.5, 26))
