@@ -584,9 +584,9 @@ class _Windows:
         self.w, self.indices, self.inside = w, w.cheap(indices), None
         self.known = w.constants.get(equation.inputs[1])
         if self.known is not None:
-            self.known, bounds = self.known.astype(np.int64), np.array(list(self.most.values()), int)
-            inside = np.all((self.known >= 0) & (self.known <= bounds), axis=-1)
-            self.known = np.clip(self.known, 0, np.maximum(bounds, 0))
+            self.known, limits = self.known.astype(np.int64), np.array(list(self.most.values()), int)
+            inside = np.all((self.known >= 0) & (self.known <= limits), axis=-1)
+            self.known = np.clip(self.known, 0, np.maximum(limits, 0))
             if self.drops and not inside.all():
                 self.inside = w.tables.value(inside)
 
