@@ -364,4 +364,4 @@ def _error_from_rest(a: np.ndarray, c: np.ndarray, z: np.ndarray, grid: np.ndarr
     missing = [-z[0]]
     for transition in _by_length(lambda length: scipy.linalg.expm(a * length), np.diff(grid)):
         missing.append(transition @ missing[-1])
-    return float(np.max(np.abs(np.array(missing) @ c.T), initial=0.0))
+    return max(float(np.max(np.abs(c @ state), initial=0.0)) for state in missing)
