@@ -31,16 +31,38 @@ class Rodas5P(MotionSolver, diffrax.AbstractAdaptiveSolver):
     balanced: bool = False
 
     def order(self, terms: Any) -> int:
-        """Order of the method."""
+        """Return the order of the method.
+
+        Args:
+            terms: Not used.
+        """
         return 5
 
     def init(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any):
-        """Accelerations and multipliers at the start."""
+        """Return accelerations and multipliers at the start.
+
+        Args:
+            terms: Equations of motion.
+            t0: Start [s].
+            t1: End of the first step [s].
+            y0: State.
+            args: Not used.
+        """
         return equations_of(terms).acceleration(t0, y0)[0]
 
     @jit_beside_options
     def step(self, terms: MotionTerm, t0: Any, t1: Any, y0: MotionState, args: Any, solver_state: Any, made_jump: Any):
-        """One step, from the accelerations and multipliers at its begin, which are the solver's state."""
+        """Return the result of one step.
+
+        Args:
+            terms: Equations of motion.
+            t0: Start of the step [s].
+            t1: End of the step [s].
+            y0: State at the start of the step.
+            args: Not used.
+            solver_state: Accelerations and multipliers at the start of the step.
+            made_jump: Whether loads jumped at the start of the step.
+        """
         equations, n, z0 = equations_of(terms), y0.u.shape[0], solver_state
         if self.jumps:
             z0 = jax.lax.cond(made_jump, lambda: equations.acceleration(t0, y0)[0], lambda: solver_state)
