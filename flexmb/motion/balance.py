@@ -19,7 +19,7 @@ from ..mechanics.stress_resultants import is_nonlinear
 from ..numerical_limits import ENERGY_PER_STEP
 from .chain_form import ChainForm
 from .controlled_form import ControlledForm
-from .coordinates_form import all_coordinates
+from .coordinates_form import CoordinatesForm, all_coordinates
 from .protocol import MotionState
 from .stages import StepResult, hermite, state_within_step, z_within
 
@@ -87,7 +87,7 @@ def is_seen(equations: Any) -> bool:
 
 def elastic_energy(equations: Any, t: Float[Array, ""], state: MotionState) -> Float[Array, ""]:
     """Elastic energy of the elements of constant stiffness [J]."""
-    form: Any = all_coordinates(equations)
+    form = equations if isinstance(equations, CoordinatesForm) else equations.form
     if isinstance(equations, ControlledForm):
         # Inputs from the controller do not change the elastic energy.
         equations, state = form, MotionState(state.u[: form.size], state.w[: form.size], state.memory)
