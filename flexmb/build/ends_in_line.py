@@ -10,7 +10,6 @@ from jaxtyping import Array
 from ..arguments import holds, is_concrete, nan_if_refused
 from ..compilation.compile import jit
 from ..elements.leaf import REACHES, flags_and_distances, leaf_of
-from ..elements.leaf_ends import ends_matrix
 from ..elements.sections import Rectangle
 from ..elements.spectral_spatial import FIELDS
 from ..errors import BeamTheoryWarning, ModelError, warn
@@ -236,7 +235,7 @@ def _least(member: Member, length: Any) -> Any:
 def _least_of(own: dict[str, Any], length: Array, order: int) -> Array:
     own, length = jax.lax.stop_gradient((own, length))
     leaf = leaf_of(own["section"], own["clamped"], own["curvature"], own["skew"], own["clamp"])
-    matrix = leaf.matrix(None, order, length, FIELDS) + ends_matrix(leaf, order, length, FIELDS)
+    matrix = leaf.matrix(None, order, length, FIELDS)
     strained = matrix[: len(FIELDS) * order, : len(FIELDS) * order]
     scale = jnp.sqrt(jnp.abs(jnp.diag(strained)))
     return jnp.linalg.eigvalsh(strained / jnp.outer(scale, scale))[0]

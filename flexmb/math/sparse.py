@@ -192,12 +192,7 @@ class SparseFactors:
         if self._order is None:
             self.ordering = np.argsort(self._factors.perm_c)
         # Small pivots on the diagonal make other entries large.
-        good = self._with_good_pivots()
-        if not good and not self.by_rows:
-            # Again, with the largest pivot of each column.
-            self.by_rows = True
-            good = self._factor("COLAMD") and self._with_good_pivots()
-        return good
+        return self._with_good_pivots() or (self._change_rows() and self._with_good_pivots())
 
     @property
     def fill(self) -> int:
@@ -217,6 +212,13 @@ class SparseFactors:
         return bool(
             np.all(np.isfinite(sizes)) and np.min(sizes, initial=1.0) > NEGLIGIBLE_PIVOT * np.max(sizes, initial=0.0)
         )
+
+    def _change_rows(self) -> bool:
+        """Factor again with the largest pivot of each column, unless already done; whether it succeeded."""
+        if self.by_rows:
+            return False
+        self.by_rows = True
+        return self._factor("COLAMD")
 
     def _factor(self, by: str) -> bool:
         """Factor the scaled matrix in an order of columns that SuperLU names; whether it succeeded."""
