@@ -27,7 +27,7 @@ from ..mechanics.inertia import weight_pieces, work_of_weight
 from ..mechanics.loads import LoadFactors, scaled_loads
 from ..mechanics.prepared import kernel
 from ..model.model import Model
-from ..model.topology import Parameters, Topology
+from ..model.topology import Parameters, Topology, coordinate_scales
 from ..numerical_limits import COUNTED_BEFORE_LAST, NEGLIGIBLE, STRESS_ROUND_OFF, UNBOUNDED_MULTIPLIER
 from ..results import RESULTS
 from ..statics.newton_search import prescribed_values
