@@ -166,7 +166,8 @@ def second_order(lin: Linearization) -> SecondOrder:
     weights = model.parameters.weights
     if is_concrete((m, weights)) and m.M0.ndim == 2:
         # On the host: compilation of sizes that occur once takes longer than computing.
-        parts = _about_state(*jax.tree.map(np.asarray, (m, extended, weights)), signals, np)
+        m, extended, weights = jax.tree.map(np.asarray, (m, extended, weights))
+        parts = _about_state(m, extended, weights, signals, np)
     else:
         parts = _second_order(m, extended, weights, signals=signals)
     orders, moves = orders_of(signals.inputs)

@@ -404,7 +404,7 @@ def refuse_idle_inputs(lin: Linearization, whole: SecondOrder) -> None:
         acts = np.where(whole.moves, np.any(by_p, axis=(0, 1)), pushes)
         idle &= ~np.any(through > ROUND_OFF * np.maximum(1.0, size), axis=(0, 1))
         for i in np.flatnonzero(idle & acts):
-            idle[i] = not whole.moves[i] and _drives_only_unseen(m, state_form, i, condensed)
+            idle[i] = not whole.moves[i] and _drives_only_unseen(m, state_form, int(i), condensed)
     if np.any(idle):
         s = inputs[np.argmax(idle)]
         raise ModelError(
