@@ -18,6 +18,7 @@ from ..math.derivative import Varied, jit_beside_reverse, refusing_derivatives, 
 from ..mechanics.sparse_order import SparseOrder
 from ..mechanics.tree import Tree
 from ..model.model import Model
+from ..model.topology import coordinate_scales
 from ..numerical_limits import DRIVEN_START, SAME_TIME
 from ..progress import reporting
 from ..results import RESULTS
