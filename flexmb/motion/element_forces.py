@@ -355,7 +355,7 @@ def _block_derivatives(
     if block.mass is not None:
         more_x, more_v, mass = by_inertia(block.mass, j, jd, j2)
         by_x, by_v = by_x + more_x, by_v + more_v
-    return Derivatives(*slopes, by_x, by_v, mass)
+    return Derivatives(slopes[0], slopes[1], slopes[2], by_x, by_v, mass)
 
 
 def by_inertia(
