@@ -3696,6 +3696,12 @@ FAULTS = [
     # Trajectories.
     Fault(
         "trajectory/varying_equations.py",
+        "if rtol is not None and traced:",
+        "if False:",
+        "trajectory/test_linear_along.py -k beside_a_number",
+    ),
+    Fault(
+        "trajectory/varying_equations.py",
         "2 * (h[:-1] + h[1:])",
         "(h[:-1] + h[1:])",
         "trajectory/test_linear_along.py -k scipy",

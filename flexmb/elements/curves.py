@@ -111,7 +111,7 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
     known = numbers(points)
-    knots = np.zeros(0) if known is None else known
+    knots: Any = np.zeros(0) if known is None else known
     if knots.ndim != 2 or len(knots) < 3 or knots.shape[1] not in (2, 3) or not np.all(np.isfinite(knots)):
         raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {short_repr(points)}.")
     across = None

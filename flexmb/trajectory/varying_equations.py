@@ -144,7 +144,7 @@ def with_halved_steps(
         raise ValueError("Give either `rtol` or `substeps`: with `substeps` the number of steps is fixed.")
     if rtol is not None and traced:
         raise ValueError("Under a trace the number of steps is fixed; `rtol` has no effect. Give `substeps`.")
-    rtol = check_number("rtol", default if rtol is None else rtol, above=0)
+    wanted: float = check_number("rtol", default if rtol is None else rtol, above=0)
     if substeps is not None or traced:
         count = TRACED if substeps is None else check_whole("substeps", substeps, 1)
         return run(substeps=count), np.nan, count
@@ -153,12 +153,12 @@ def with_halved_steps(
         count *= 2
         fine = run(jnp.asarray(count))
         error = SHARE * apart(fine, coarse)
-        if error <= rtol or count >= MOST_SUBSTEPS:
+        if error <= wanted or count >= MOST_SUBSTEPS:
             break
         coarse = fine
-    if not error <= rtol:
+    if not error <= wanted:
         warn(
-            f"{what} has an error of {error:.1e}, more than rtol = {rtol:g}, with {MOST_SUBSTEPS} steps from each time"
+            f"{what} has an error of {error:.1e}, more than rtol = {wanted:g}, with {MOST_SUBSTEPS} steps from each time"
             " to the next. Give more times."
         )
     return fine, error, count
