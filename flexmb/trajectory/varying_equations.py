@@ -158,7 +158,7 @@ def with_halved_steps(
         coarse = fine
     if not error <= wanted:
         warn(
-            f"{what} has an error of {error:.1e}, more than rtol = {wanted:g}, with {MOST_SUBSTEPS} steps from each time"
-            " to the next. Give more times."
+            f"{what} has an error of {error:.1e}, more than rtol = {wanted:g}, with {MOST_SUBSTEPS} steps between two"
+            " times. Give more times."
         )
     return fine, error, count
