@@ -96,7 +96,7 @@ def swing(tmp_path, monkeypatch):
     return write
 
 
-@pytest.mark.slow("1")
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [1, 4])
 def test_json_of_a_motion(mode, swing):
     path = swing()

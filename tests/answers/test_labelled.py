@@ -231,6 +231,7 @@ def test_what_is_missing_is_named(model, response, tmp_path, monkeypatch, name):
         ask[name]()
 
 
+@pytest.mark.slow
 def test_noise_and_inputs_along_a_trajectory_have_names_and_units():
     b = fm.Builder()
     b.node("wall", (0, 0))

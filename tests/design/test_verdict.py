@@ -530,6 +530,7 @@ def test_a_stroke_about_a_global_axis(prescribed):
         np.testing.assert_allclose(rows.table[rows.answers.index("force")], 1.0, rtol=1e-6)
 
 
+@pytest.mark.slow
 def test_progress_begins_before_the_first_state_and_ends_with_the_last(monkeypatch, capsys):
     seen = []
     fm.verdict(guide(), 2e-3, steps=2, progress=lambda done, total: seen.append((done, total)))

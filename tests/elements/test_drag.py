@@ -62,6 +62,7 @@ def test_spectral_beams_have_nearly_the_same_decay(kind, axes):
     assert float(np.real(lowest)) == approx(-0.4, rel=3e-4)
 
 
+@pytest.mark.slow
 def test_a_free_fall_of_a_rod_has_the_drag_of_its_length():
     """Translation alone: mass m L, drag c L."""
     b = fm.Builder()
@@ -75,6 +76,7 @@ def test_a_free_fall_of_a_rod_has_the_drag_of_its_length():
     np.testing.assert_allclose(velocity[:, 1], exact, rtol=0, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_derivatives_by_the_drag():
     """Reverse and forward, against the closed form and central differences."""
     model = falling(planar, 2)

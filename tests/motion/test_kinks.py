@@ -104,6 +104,7 @@ def test_a_force_that_jumps_has_no_derivative_and_says_so():
     assert place(5.0) == approx(1 - 0.13 + 5.0 / 2 * 0.03**2 / 2, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_derivatives_across_the_limit_of_a_controller():
     """A spring by an actuator of bounded force: that is constant until 0.72 s, and on the other side from 0.83 s."""
     limit, k, mass, start = 2.0, 50.0, 2.0, 0.3

@@ -60,18 +60,7 @@ QUESTIONS = {
 }
 
 
-@pytest.mark.slow(
-    "compliance",
-    "eigenvalues",
-    "frequencies",
-    "multipliers",
-    "reactions",
-    "response",
-    "shapes",
-    "state space",
-    "stress",
-    "stress at all steps",
-)
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:The state space of 3")
 @pytest.mark.parametrize("question", QUESTIONS)
 def test_answers_about_a_state_are_those_of_the_dense_path(paths, question):

@@ -16,6 +16,7 @@ from scipy.integrate import solve_ivp
 import flexmb as fm
 from flexmb import planar
 from flexmb.mechanisms import mechanism_path
+from flexmb.trajectory.linear_along import TimeVarying
 from flexmb.trajectory.varying_equations import cubic_spline, integrate_varying
 
 # The shipped elevator: radius, free length, mass of a weight, inertia of the pulley, EA and EdA of the belts, motor.
@@ -104,12 +105,14 @@ def test_response_of_the_elevator_against_an_integration_by_scipy(elevator):
     np.testing.assert_allclose(found.outputs, exact[:3], atol=1e-6 * np.max(np.abs(exact[:3])))
 
 
-def test_tolerance_beside_a_number_of_steps_is_refused(elevator):
-    times, u = TIMES[:3], np.zeros(3)
+def test_tolerance_beside_a_number_of_steps_is_refused():
+    times, one = np.arange(3.0), np.ones((3, 1, 1))
+    parts = times, -one, one, one, 0 * one, one, one[0], one[0], np.zeros(1), one[0], None, None, None
+    system = TimeVarying(*parts, ("v",), ("u",), ("y",))
     with pytest.raises(ValueError, match="either `rtol` or `substeps`"):
-        elevator.solution(times, u, rtol=1e-9, substeps=1)
+        system.solution(times, np.zeros(3), rtol=1e-9, substeps=1)
     with pytest.raises(ValueError, match="Under a trace the number of steps is fixed"):
-        jax.jit(lambda u: elevator.solution(times, u, rtol=1e-9))(u)
+        jax.jit(lambda u: system.solution(times, u, rtol=1e-9))(np.zeros(3))
 
 
 @pytest.mark.slow

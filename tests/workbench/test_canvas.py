@@ -131,6 +131,7 @@ def test_clicks_meet_nodes_middles_and_lines_through_other_nodes(page):
     assert len(ask(page, "s.state.undo")) <= steps + 2
 
 
+@pytest.mark.slow
 def test_a_rectangle_chooses_what_lies_in_it_or_also_what_it_touches(page):
     from selenium.webdriver import Keys
 
