@@ -1,5 +1,6 @@
 """Initial curvature and twist of beams: numbers, functions of the place along a beam, or a curve through points."""
 
+import contextlib
 from collections.abc import Callable
 from typing import Any
 
@@ -8,7 +9,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
-from ..arguments import as_reals, check_numbers, holds, is_concrete, numbers, short_repr
+from ..arguments import as_reals, check_numbers, holds, is_concrete, short_repr
 from ..compilation.record import Record
 from ..errors import ModelError
 from ..math.quadrature import gauss, legendre_coefficients, legendre_integrals, legendre_values, lobatto
@@ -110,8 +111,9 @@ def curvature_through(points: Any, y: Any = None) -> CurvedLine:
     """
     if not is_concrete((points, y)):
         raise ModelError("The points of a curve must be known numbers: give a function to curvature_along instead.")
-    known = numbers(points)
-    knots: Any = np.zeros(0) if known is None else known
+    knots: Any = np.zeros(0)
+    with contextlib.suppress(TypeError, ValueError):
+        knots = np.asarray(points, float)
     if knots.ndim != 2 or len(knots) < 3 or knots.shape[1] not in (2, 3) or not np.all(np.isfinite(knots)):
         raise ModelError(f"A curve needs at least three points, (n, 2) or (n, 3), not {short_repr(points)}.")
     across = None
