@@ -10,7 +10,8 @@ NEGLIGIBLE = 1e-9
 differ by six digits, and answers keep nine or ten."""
 
 ROUND_OFF = 1e-12
-"""The same for numbers whose round-off no stiffness amplifies, such as sums and phases: they keep twelve digits."""
+"""The same for numbers whose round-off no stiffness amplifies, such as sums and phases, and for displayed coordinates
+[m, rad]: they keep twelve digits."""
 
 TEN_DIGITS = 1e-9
 """Given numbers are equal within this: they are typed or printed with ten digits, or are sums or quotients."""
@@ -19,13 +20,15 @@ SAME_TIME = 1e-9
 """Two times are equal within this share of the largest time or of one step: times are often sums of steps."""
 
 NO_STIFFNESS = 1e-12
-"""A motion meets no stiffness below this share of the stiffnesses beside it: round-off of the stiffness matrix."""
+"""A motion meets no stiffness below this share of the stiffnesses at its coordinates, or of the largest stiffness:
+round-off of the stiffness matrix."""
 
 NO_MASS = 1e-12
 """A motion has no mass below this share of the largest."""
 
 FREE_STIFFNESS = 1e-13
-"""A motion is free if its stiffness or its eigenvalue is below this share of the largest, which is round-off."""
+"""A motion is free if its stiffness or its eigenvalue is below this share of the largest, or of the stiffnesses at its
+coordinates, which is round-off."""
 
 REPEATED_EIGENVALUE = 1e-8
 """Eigenvalues or poles within this share of each other are one that is repeated."""
