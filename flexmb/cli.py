@@ -232,7 +232,7 @@ def _check_release(release: str) -> None:
 
 @contextlib.contextmanager
 def _refusing(name: str = "", path: Any = None, how: str = "read") -> Iterator[None]:
-    """Refuse faults of a file; faults of a model only with a name, other faults of files only with a path."""
+    """Refuse faults of input files and studies; with ``name`` also faults of a model, with ``path`` of other files."""
     try:
         yield
     except SpacarError as fault:

@@ -34,8 +34,8 @@ REPEATED_EIGENVALUE = 1e-8
 """Eigenvalues or poles within this share of each other are one that is repeated."""
 
 LARGEST_ALIKE = 1e-6
-"""Of numbers that agree within this share of the largest, the first decides a sign, a place or an order: round-off must
-not choose."""
+"""Numbers are alike within this share of the largest. The first of them decides a sign, a place or an order, since
+round-off must not decide."""
 
 FREE_POLE = 1e-7
 """A pole or a frequency below this share of the largest belongs to a free motion, by round-off."""
@@ -45,7 +45,8 @@ SAME_ANSWER = 1e-6
 of a leaf spring, more than numbers has changed."""
 
 CONSTRAINTS_MET = 1e-9
-"""Largest error of constraints and of held deformations, over what the whole extent makes of them, or in radians."""
+"""Largest error of constraints and held deformations, in radians or as a share of their value for a length of the
+whole extent."""
 
 SUPPORTED = 1e-13
 """Stiffness that makes a singular matrix regular, over its largest entry: just above round-off."""
@@ -572,7 +573,7 @@ FOLDED_MECHANISM = 1e5
 its length from its dead point is moved some 1/y times as far, and round-off of its velocity is that over y^2."""
 
 LOOSE_BY_ROUND_OFF = 1e-20
-"""A motion has no stiffness below this share of the largest of all either, if others take part in it by round-off."""
+"""A motion has no stiffness below this share of the largest stiffness, even if other motions join it by round-off."""
 
 STEP_TOLERANCE = 1e-9
 """A smaller correction is made and ends the iteration: the error left is of the order of its square."""

@@ -45,7 +45,7 @@ def undamped_within(poles: Complex[Array, "n"], grid: Float[Array, "n_f"]) -> Bo
 
 
 def unresolved_resonances(poles: np.ndarray, grid: np.ndarray) -> Float[np.ndarray, "4 n"]:
-    """Resonances whose peak 1/(1 + x^2), x from the frequency over half the width, the trapezoidal rule sums wrongly.
+    """Resonances that the trapezoidal rule sums wrongly: peaks 1/(1 + x^2), x = (f - f_peak) / (half the width).
 
     The sum over a uniform grid is wrong by 2 exp(-pi n) for n frequencies within the width (Poisson's formula).
 

@@ -169,7 +169,7 @@ class _TuningSearch:
         return Attempt(end, values, result, reason, objective, violation, self.history)
 
     def met_or_why(self, unit: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> RESULTS:
-        """Whether targets are met at a stationary design, else what holds it; beside an objective they are wishes."""
+        """Code of RESULTS at a stationary design: targets met, or why not; beside an objective they need not be met."""
         problem = self.problem
         residual = problem.targets(values)
         most = MISSED_BY_FIT if len(residual) > len(unit) else MISSED_TOLERANCES * self.tolerance

@@ -214,10 +214,11 @@ class Leaf(Sheared):
     def thermal(
         self, change: Float[Array, "2"], bends: dict[str, Any], order: int, length: Any, names: Sequence[str]
     ) -> Float[Array, "c"]:
-        """Return the coefficients of the thermal strains of a free leaf spring, field by field. Its ends add no motion.
+        """Return the coefficients of the thermal strains of a free leaf spring, field by field.
 
-        Thermal strain and curvature are 1 + nu times as large where clamps keep the section flat. Returns (fields
-        order,) [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and (2.33).
+        Thermal strain and curvature are 1 + nu times as large where clamps keep the section flat. Compliant ends
+        do not move, since no force acts. Returns (fields order,) [m, rad]. Source: THEORY.md 2, eq. (2.26), (2.32) and
+        (2.33).
 
         Args:
             bends: Curvature over the coefficient of thermal expansion, by the name of its rigidity, () [K/m].

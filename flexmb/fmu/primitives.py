@@ -32,7 +32,7 @@ def rule(*names: str):
 
 
 def broadcast(w: Writer, value: Value, axes: Sequence[int], shape: tuple[int, ...]) -> Value:
-    """An array in a larger shape, in which its axes are ``axes``; entries are repeated along all others."""
+    """An array in a larger shape. Its axes become ``axes`` there; entries repeat along all other axes."""
     if value.shape == shape:
         return value
     if np.prod(shape, dtype=int) > np.prod(value.shape, dtype=int):

@@ -172,7 +172,7 @@ def c_type(dtype: np.dtype) -> str:
 
 
 def c_array(kind: str, name: str, words: Sequence[str], count: int | None = None) -> str:
-    """Definition of a constant array in C, of as many entries as words, or of a count of which some are left out."""
+    """Definition of a constant array in C. It may have more entries (``count``) than words; the rest is zero."""
     lines = [""]
     for word in words:
         if len(lines[-1]) + len(word) > 110:

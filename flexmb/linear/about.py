@@ -104,7 +104,7 @@ def check_state(at: Any, model: Model, function: str) -> None:
 
 
 def linearized(given: Any, function: str, throw: bool = True, where: Where | None = None) -> Linearization:
-    """Linearization that a public function is asked about, in the degrees of freedom: ``given``, or of a model."""
+    """Linearization in the degrees of freedom for a public function: ``given`` itself, or computed from a model."""
     require_double_precision()
     where = where or Where()
     is_linearized = isinstance(given, Linearization)
@@ -134,8 +134,8 @@ def by_elements(
 ) -> Linearization | None:
     """Linearization for sparse matrices; None if dense matrices answer.
 
-    Without a ``solver`` a large mechanism has sparse factors, if ``few`` (they are worth it) and ``throw`` (a failure
-    raises, as it always does with sparse matrices).
+    Without a ``solver``, a large mechanism has sparse factors if ``few`` and ``throw``: ``few`` states that they are
+    worth it, ``throw`` that a failure raises an error, as it always does with sparse matrices.
     """
     at, is_linearized = where.at, isinstance(given, Linearization)
     of_path = isinstance(at, ManyStates) and at.by_sparse
@@ -174,7 +174,7 @@ def by_elements(
 def asked_about(
     given: Any, function: str, where: Where | None = None, solver: LinearSolver | None = None, *, few: bool = True
 ) -> Linearization:
-    """Linearization that a public function is asked about, by elements or in the degrees of freedom."""
+    """Linearization for a public function, by elements or in the degrees of freedom."""
     where = where or Where()
     large = by_elements(given, function, where, solver, few=few)
     return linearized(given, function, where=where) if large is None else large

@@ -436,7 +436,7 @@ def _matrices_of(
 
 
 def linearized_about(model: Model, at: Equilibrium, function: str, solver: LinearSolver | None = None) -> Linearization:
-    """Linearised equations about an equilibrium; without a ``solver`` of large ones in the degrees of freedom."""
+    """Linearised equations about an equilibrium: by elements with a ``solver``, else in the degrees of freedom."""
     if at.asked_of is None or at.factors is None or not is_concrete(model.parameters):
         raise TypeError(
             f"Argument `at` of fm.{function} is an Equilibrium without its model and loads, such as inside jax.jit and"

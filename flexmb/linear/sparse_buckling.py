@@ -1,7 +1,7 @@
 """Load multipliers and buckling modes of large mechanisms by sparse factors, with derivatives of the multipliers.
 
-:func:`smallest_of_sparse` finds them from the matrices of elements by Lanczos iterations, :func:`sparse_multipliers`
-those of a model.
+:func:`smallest_of_sparse` finds the multipliers from the matrices of elements, by Lanczos iterations.
+:func:`sparse_multipliers` finds the multipliers of a model.
 """
 
 import functools

@@ -132,7 +132,7 @@ class PathEquations(Protocol):
     Attributes:
         last: Parts that are kept and factored, a pytree of arrays.
         e: Deformations.
-        onto: Change of the coordinates that is already decided.
+        onto: Part of the change of the coordinates that is known.
         following: Change of the coordinates with the load factor at constant unknowns.
         reuses: Whether factors of the last correction may be reused.
     """
@@ -248,7 +248,7 @@ def unit(scale: Scale, d: Direction) -> Direction:
 
 
 def first_step(sizes: Any, point: Point) -> tuple[Scale, Predictor]:
-    """A scale of equal weights, and a step of no length with rising load: it finds the tangent at a known state."""
+    """A scale of equal weights, and a step of length zero along the load. It finds the tangent at a known state."""
     xp = library_of(point)
     zero = xp.zeros_like(point.load)
     still = Direction(0 * point.x, 0 * point.strained, zero, 0 * point.multipliers)

@@ -160,7 +160,7 @@ def _responses(
 
 
 def _drawn(frequencies: np.ndarray, responses: np.ndarray, moved: np.ndarray, chosen: Any, names: Any) -> Any:
-    """The figure with the chosen outputs and inputs, of some names."""
+    """The figure with the chosen outputs and inputs."""
     import matplotlib.pyplot as plt
 
     (ys, us), (outputs, inputs) = chosen, names

@@ -46,7 +46,7 @@ def point_extent(points: Float[np.ndarray, "n d"]) -> float:
 
 
 def places_of_rotations(model: Model) -> dict[str, list[str]]:
-    """Names of the points of each rotation: in an element's signature it follows the point whose rotation it is."""
+    """Names of the points of each rotation. In the signature of an element, a rotation follows its point."""
     points_by_name: dict[str, list[str]] = {}
     for block in model.topology.blocks:
         kinds = list(block.element.nodes.values())

@@ -59,7 +59,7 @@ class ElementKind:
 
     @property
     def node_kinds(self) -> list[NodeKind]:
-        """Kinds of the nodes on a line: without coordinates of an element, with warping if the line names it."""
+        """Kinds of the nodes on an element line: no inner coordinates; warping nodes if the line names them."""
         kinds = self.element.nodes.values()
         without = ("internal",) if self.warps else ("internal", "warping")
         return [kind for kind in kinds if kind.part not in without]

@@ -97,7 +97,7 @@ def asks_for_all(count: int, every: int, many: int = MANY) -> bool:
 
 
 def refuse_all(count: int, every: int, what: str, many: int = MANY) -> None:
-    """Raise ModelError if :func:`asks_for_all`; ``what`` they are, such as "frequencies"."""
+    """Raise ModelError if :func:`asks_for_all`. ``what`` is the name of the answers, such as "frequencies"."""
     if asks_for_all(count, every, many):
         raise ModelError(
             f"Argument `count` = {count}: sparse matrices give few of the {every} {what}, not all. Ask for fewer, or"

@@ -302,7 +302,7 @@ def _internal(inverse: _Inverse, every: Callable[..., Any], grid: np.ndarray, at
     about_middle = np.einsum("pn,ind->ipd", to_powers, followed)
 
     def steps(q: np.ndarray, p: np.ndarray, direction: int):
-        """States from interval to interval, in the direction in which they decay: 1 for forwards, -1 for back."""
+        """States from interval to interval. They decay in the direction of the steps: 1 is forwards, -1 backwards."""
         state = np.zeros((len(grid), len(q)))
         if not len(q):
             return state

@@ -239,7 +239,7 @@ class _Image:
         return [negated(text) if k == turned else text for k, text in enumerate(value)]
 
     def with_sections(self, document: Document, ids: set[str], before: str | None) -> Document:
-        """A document with other sections for images if a section has a product of inertia, or a general stiffness."""
+        """A document with mirrored sections for images; only a product of inertia or a general stiffness needs them."""
         known, number = self.document.known, document.data["next"]
         new_sections: dict[str, dict[str, Any]] = {}
         if self.d == 2:

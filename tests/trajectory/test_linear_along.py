@@ -107,8 +107,9 @@ def test_response_of_the_elevator_against_an_integration_by_scipy(elevator):
 
 def test_tolerance_beside_a_number_of_steps_is_refused():
     times, one = np.arange(3.0), np.ones((3, 1, 1))
-    parts = times, -one, one, one, 0 * one, one, one[0], one[0], np.zeros(1), one[0], None, None, None
-    system = TimeVarying(*parts, ("v",), ("u",), ("y",))
+    a, b, c, mass = np.zeros((3, 2, 2)), np.ones((3, 2, 1)), np.ones((3, 1, 2)), one
+    along = np.zeros((3, 1)), np.zeros((3, 1)), np.zeros(2), np.zeros((3, 0))
+    system = TimeVarying(times, a, b, c, 0 * one, mass, *along, None, None, None, ("q", "d q"), ("u",), ("y",))
     with pytest.raises(ValueError, match="either `rtol` or `substeps`"):
         system.solution(times, np.zeros(3), rtol=1e-9, substeps=1)
     with pytest.raises(ValueError, match="Under a trace the number of steps is fixed"):
