@@ -1625,13 +1625,13 @@ FAULTS = [
         "elements/joints.py", "along - pitch * turn", "along + pitch * turn", "elements/test_transmission.py -k screw"
     ),
     Fault(
-        "elements/beams.py",
+        "elements/shared_laws.py",
         "mesh_stiffness(ref=ref, stiffness=damping)",
         "diagonal_damping(2)(ref=ref, damping=damping)",
         "elements/test_damping.py -k mesh",
     ),
     Fault(
-        "elements/beams.py",
+        "elements/shared_laws.py",
         "law(e[0], ed[0], ",
         "law(e[0], -ed[0], ",
         "elements/test_laws_of_users.py",

@@ -11,9 +11,9 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds
 from ..math.rotation import initial_frame, nearest_turn, polar_angle, relative_turn, turned
 from . import beams
-from .beams import mesh_damping, mesh_stiffness, uncoupled
 from .element import Element
 from .nodes import Point3, Reference, Rotation3
+from .shared_laws import mesh_damping, mesh_stiffness, uncoupled
 
 
 def _frame(axis: Float[Array, "3"]) -> Float[Array, "3 3"]:

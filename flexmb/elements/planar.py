@@ -22,10 +22,10 @@ from ..arguments import as_floats, holds
 from ..lazy import only
 from ..math.rotation import QUARTER, cosine_and_sine, rotation_plane
 from . import beams, leaf_planar, spectral_planar, transmission
-from .beams import characteristic, uncoupled
 from .element import ALL, Element
 from .nodes import Angle, Point2, Reference, Static
 from .sections import Damping, Section
+from .shared_laws import characteristic, uncoupled
 
 
 def _truss(p: Point2, q: Point2, *, ref: Reference) -> Float[Array, "1"]:

@@ -25,10 +25,10 @@ from ..lazy import only
 from ..math.rotation import CROSS, initial_frame, lbar, relative_turn, turned
 from ..numerical_limits import NEGLIGIBLE
 from . import beams, joints, leaf_spatial, spectral_spatial
-from .beams import characteristic
 from .element import Element
 from .nodes import Point3, Reference, Rotation3, Static, Warping
 from .sections import Damping, Section
+from .shared_laws import characteristic
 
 
 def _truss(p: Point3, q: Point3, *, ref: Reference) -> Float[Array, "1"]:

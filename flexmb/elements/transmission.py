@@ -12,10 +12,10 @@ from jaxtyping import Array, Float
 from ..arguments import as_floats, holds
 from ..math.rotation import angle_between, nearest_turn, rotation_plane
 from . import beams
-from .beams import mesh_damping, mesh_stiffness
 from .element import Element
 from .nodes import Angle, Point2, Reference
 from .sections import Damping, Scalar, Section
+from .shared_laws import mesh_damping, mesh_stiffness
 
 
 def _gear(
