@@ -2018,6 +2018,7 @@ FAULTS = [
         "e if free is None else e - free",
         "e if free is None else e + free",
         "mechanics/test_temperature.py::test_a_free_element_becomes_an_arc_without_stress",
+        slow=True,
     ),
     Fault(
         "mechanics/deformation.py",
@@ -2902,6 +2903,7 @@ FAULTS = [
         "[:, :1] == index",
         "[:, :2] == index",
         "design/test_verdict.py::test_what_turns_a_node_in_space_is_no_parasitic_motion",
+        slow=True,
     ),
     Fault(
         "design/over_stroke.py",
@@ -3401,6 +3403,7 @@ FAULTS = [
         "about = linearized_by_elements(model, factors) if",
         "about = linearized_by_elements(model, LoadFactors(0.0, 0.0)) if",
         "linear/test_buckling.py::test_loads_that_move_a_mechanism_far_before_it_buckles_are_told",
+        slow=True,
     ),
     Fault(
         "statics/tangent.py",
@@ -3652,6 +3655,7 @@ FAULTS = [
         "load_factors(load, 0.0) if",
         "load_factors(1.0, 0.0) if",
         "questions/test_over_states.py::test_critical_points_are_states_too",
+        slow=True,
     ),
     Fault("linear/stress.py", "axis=(-3, -2, -1))", "axis=(-2, -1))", "linear/test_states.py -k one_call", slow=True),
     Fault("motion/motion.py", "<= SAME_TIME *", "<= 1.0 *", "linear/test_states.py -k no_time_of", slow=True),
@@ -3668,6 +3672,7 @@ FAULTS = [
         "return 1 / flexibility\n",
         "return flexibility\n",
         "questions/test_over_states.py::test_critical_points_are_states_too",
+        slow=True,
     ),
     Fault(
         "paths/path.py",

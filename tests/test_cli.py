@@ -173,6 +173,7 @@ PRINTED = [
     "pf2d3dof-frequencies_hz-values4-0.05",
     "pf3d-frequencies_hz-values5-5e-05",
     "pf3d19dof-frequencies_hz-values6-0.0126",
+    "pf2db-load_multipliers-values3-5e-05",
 )
 @pytest.mark.parametrize(("name", "key", "values", "tolerance"), PRINTED)
 def test_printed_numbers(name, key, values, tolerance):
@@ -798,6 +799,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_a_motion_that_cannot_begin_has_no_states(swing):
     result = call("run", swing(XM="2 0", EM="1 0"), "--mode", "1", "--json", "-")
     data = json.loads(result.stdout)
@@ -867,6 +869,7 @@ END
 """
 
 
+@pytest.mark.slow
 def test_a_state_space_of_what_is_driven_throughout(tmp_path):
     # By how much the slider follows the crank, which turns rod and crank about their common pin.
     follows = -0.08 - 0.08 * 0.06 / 0.24

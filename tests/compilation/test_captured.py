@@ -191,6 +191,7 @@ def test_what_is_no_function_is_refused_by_name(mass, value):
         fm.simulate(mass, TIMES, loads={"m.x": value})
 
 
+@pytest.mark.slow
 def test_an_event_that_is_none_or_holds_at_the_start_is_told(mass):
     import diffrax
 

@@ -25,6 +25,7 @@ def test_rates_of_an_oscillator_are_those_of_its_equation(length):
     np.testing.assert_allclose(plant.output(0.0, [x, v], [u]), [x, v], rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_turns_are_counted_to_wherever_it_is_asked():
     """Wheels that mesh with no stress rest, however often they have turned; torques alone move them."""
     for plant in (fm.control.to_nonlinear_system(meshing_wheels(turned).build()) for turned in (0.0, 50.0)):

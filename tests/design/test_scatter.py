@@ -418,6 +418,7 @@ def test_a_front_of_the_nominal_value_against_the_percentile():
         robust_front(made, answers, {"x": 1.0}, {"x": (0.5, 1.99)}, minimize="y", against="y")
 
 
+@pytest.mark.slow
 def test_made_mechanisms_that_cannot_be_built_have_no_statistics():
     """A rod of negative stiffness would have a deformation, and count as one below every limit."""
 

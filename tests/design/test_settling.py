@@ -35,7 +35,7 @@ def test_settling_of_a_decay():
     assert float(jax.jit(jax.hessian(of))(at)) == approx(2 * exact / 1.7**2, rel=1e-8)
 
 
-@pytest.mark.slow("300.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("hertz", [300.0, 1e5])
 def test_settling_beside_a_stiff_vibration(hertz):
     """One that is neither moved nor seen changes nothing, however fast it is."""

@@ -58,6 +58,7 @@ SPARSE = {
 }
 
 
+@pytest.mark.slow("equilibrium-False")
 @pytest.mark.parametrize("compiled", [False, True])
 @pytest.mark.parametrize("name", SPARSE)
 def test_a_sweep_by_sparse_factors_says_so(name, compiled):

@@ -312,7 +312,7 @@ def gimbal(axis=(0, 0, 1), tilt="fixed"):
     return b.build()
 
 
-@pytest.mark.slow("axis0-own0")
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "own"), [((0, 0, 1), {"rz"}), ((1, 0, 1), set())])
 def test_what_turns_a_node_in_space_is_no_parasitic_motion(axis, own):
     found = fm.verdict(gimbal(axis), 1e-3, steps=1, count=1)

@@ -36,6 +36,7 @@ def beam(kind, axes, element, drag, count=4):
     return b.build()
 
 
+@pytest.mark.slow("space")
 @KINDS
 def test_a_falling_mass_approaches_its_terminal_velocity(kind, axes):
     times = np.linspace(0, 4, 9)
@@ -44,6 +45,7 @@ def test_a_falling_mass_approaches_its_terminal_velocity(kind, axes):
     np.testing.assert_allclose(velocity[:, 1], terminal * np.expm1(-DRAG / MASS * times), rtol=0, atol=1e-7 * terminal)
 
 
+@pytest.mark.slow("space-1")
 @pytest.mark.parametrize("count", [1, 4])
 @KINDS
 def test_drag_by_length_damps_each_mode_like_rayleigh(kind, axes, count):
@@ -54,6 +56,7 @@ def test_drag_by_length_damps_each_mode_like_rayleigh(kind, axes, count):
     np.testing.assert_allclose(np.real(poles), -alpha / 2, rtol=1e-6)
 
 
+@pytest.mark.slow("space")
 @KINDS
 def test_spectral_beams_have_nearly_the_same_decay(kind, axes):
     poles = np.asarray(fm.poles(beam(kind, axes, kind.spectral_beam(4), 0.4)))

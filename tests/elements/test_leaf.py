@@ -180,6 +180,7 @@ def tip_compliance(model: fm.Model) -> np.ndarray:
     return np.diag(np.asarray(fm.compliance(model, model.labels.elements[-1][2][2])))
 
 
+@pytest.mark.slow("0.03-False")
 @pytest.mark.parametrize("guided", [False, True])
 @pytest.mark.parametrize("length", [0.03, 0.01])
 def test_a_divided_leaf_spring_is_as_one_piece(guided, length):

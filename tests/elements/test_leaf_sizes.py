@@ -174,6 +174,7 @@ def test_wide_fold_at_strokes_beside_solid_elements():
         np.testing.assert_allclose([force, *1 / flexible[1:3]], solid, rtol=tolerance)
 
 
+@pytest.mark.slow
 def test_stress_of_a_distorted_strip():
     """Fibres at the edges carry more, as those between give way: moment about z over Fa, far from clamps."""
     width, thickness, bend = 0.05, 0.5e-3, 4.0

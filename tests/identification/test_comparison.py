@@ -96,6 +96,7 @@ def test_phases_differ_by_less_than_half_a_turn():
     assert found.distance == pytest.approx((2 * np.pi - 6.2) / 0.1)
 
 
+@pytest.mark.slow
 def test_a_measured_mode_without_partner_is_named():
     def two(first):
         b = fm.Builder()

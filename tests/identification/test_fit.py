@@ -284,6 +284,7 @@ def test_bad_arguments_are_refused_by_name():
         fm.fit(cart, data, GUESS, BOUNDS).interval("width")
 
 
+@pytest.mark.slow
 def test_the_picture_has_a_panel_for_each_measurement():
     data = {"frequency 1": (0.8, 0.01), "displacement cart.x": (0.01, 1e-3)}
     found = fm.fit(cart, data, GUESS, BOUNDS)

@@ -321,6 +321,7 @@ def test_derivative_of_a_compliance_beside_a_free_motion():
     assert jax.hessian(flexibility)(2.0) == approx(2 / (500 * 2.0**3), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_what_damping_alone_holds_has_a_pole_at_zero():
     decay = 0.1 / (2 * 2.0)
     rate = np.sqrt(500.0 / 2.0 - decay**2)

@@ -48,7 +48,7 @@ def cantilevers(dimension: int) -> fm.Model:
     return b.build()
 
 
-@pytest.mark.slow("3")
+@pytest.mark.slow
 @pytest.mark.parametrize("dimension", [2, 3])
 def test_a_free_element_becomes_an_arc_without_stress(dimension):
     """Strain alpha T, curvature alpha g away from the warmer side."""

@@ -110,6 +110,7 @@ def test_times_of_jumps_may_be_traced_one_by_one():
         jump_times(Drives(jumps=[[0.1], [0.2]]), ())
 
 
+@pytest.mark.slow
 def test_derivatives_forward_name_what_they_ask_for():
     with pytest.raises(TypeError, match=r"adjoint=diffrax\.ForwardMode"):
         jax.jacfwd(lambda f: moved(lambda t: f * t))(1.0)

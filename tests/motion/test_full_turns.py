@@ -64,7 +64,11 @@ def test_what_comes_after_a_failure_is_no_motion():
 
 
 @pytest.mark.slow(
-    "<lambda>-measured0-True", "<lambda>-measured2-False", "<lambda>-measured3-False", "<lambda>-measured4-False"
+    "<lambda>-measured0-True",
+    "<lambda>-measured2-False",
+    "<lambda>-measured3-False",
+    "<lambda>-measured4-False",
+    "<lambda>-measured1-False",
 )
 @pytest.mark.parametrize(
     ("law", "measured", "told"),

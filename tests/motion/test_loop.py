@@ -263,6 +263,7 @@ def shaken():
     return b.build()
 
 
+@pytest.mark.slow
 def test_tangent_of_accelerations_and_reactions_fed_back_at_once():
     """Derivatives of the residual, in which the input solves an equation with itself in it."""
     model = shaken()

@@ -70,6 +70,7 @@ def bob(angle=1.0, mass=1e-6, g=9.81):
     return b.build(check=False)
 
 
+@pytest.mark.slow
 def test_too_little_memory_is_named(monkeypatch):
     def full(*_, **__):
         raise MemoryError

@@ -95,6 +95,7 @@ def test_the_file_of_a_motion_has_it_all(motion, tmp_path):
     assert about["steps"] == int(motion.steps)
 
 
+@pytest.mark.slow
 def test_the_file_names_the_inputs_of_a_controller(motion, tmp_path):
     fm.save_motion(dataclasses.replace(motion, u=np.ones((len(TIMES), 1))), tmp_path / "run.npz")
     kept = arrays_of(tmp_path / "run.npz")

@@ -39,6 +39,7 @@ def swing(width=0.01):
     return size * np.sin(OMEGA * (TIMES[-1] - LATE))
 
 
+@pytest.mark.slow("chain", "diffrax")
 @pytest.mark.parametrize(
     "given", [{}, {"form": "chain"}, {"solver": diffrax.Dopri8()}], ids=["own", "chain", "diffrax"]
 )

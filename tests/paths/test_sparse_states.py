@@ -78,6 +78,7 @@ def test_what_is_asked_along_the_path_is_as_along_the_dense_one(paths, text):
     np.testing.assert_allclose(found.values, wanted.values, rtol=1e-9, atol=1e-9 * np.max(np.abs(wanted.values)))
 
 
+@pytest.mark.slow
 def test_what_the_path_has_not_is_named(paths):
     dense, sparse = paths
     for ask, match in (

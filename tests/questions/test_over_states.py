@@ -59,6 +59,7 @@ def test_a_path_tells_what_its_closed_form_does(snap):
     assert (snap.along("frequency 1").axis, snap.along("stiffness apex.y").unit) == ("frequency 1 [Hz]", "N/m")
 
 
+@pytest.mark.slow
 def test_critical_points_are_states_too(snap):
     found = snap.at_critical_points()
     # A7, closed form: where l^3 = L0 b^2.

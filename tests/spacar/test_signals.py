@@ -57,6 +57,7 @@ def test_a_base_that_moves_and_forces_that_are_transmitted(tmp_path):
         np.testing.assert_allclose(gain, [x, bar, support], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_axes_of_a_rotation_in_space(tmp_path):
     """A unit moment twists a shaft of G It/L = 4 N m/rad by a quarter; a file says axes by rx, ry and rz."""
     text = """BEAM 1 1 2 3 4 0 0 1

@@ -309,6 +309,7 @@ def test_small_pivots_on_the_diagonal():
     assert not SparseFactors(scipy.sparse.csc_array(np.ones((3, 3)))).regular
 
 
+@pytest.mark.slow("True")
 @pytest.mark.parametrize("sparse", [False, True])
 def test_a_load_that_happens_to_be_zero_asks_for_no_stiffness(sparse):
     """A mechanism that floats has its three motions without a frequency, whether such a load is named or not."""

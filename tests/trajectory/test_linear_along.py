@@ -142,7 +142,7 @@ def test_reduction(elevator):
     assert few.error[1] < 0.03
 
 
-@pytest.mark.slow("npz")
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["npz", "mat"])
 def test_file_has_the_names_of_spacar(elevator, tmp_path, ending):
     path = tmp_path / f"elevator.{ending}"

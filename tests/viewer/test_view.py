@@ -156,6 +156,7 @@ def test_motion_has_all_its_states_and_times(swinging):
     assert view.lines.parts[0].kind == "bar"
 
 
+@pytest.mark.slow
 def test_a_long_motion_is_thinned_evenly(swinging, monkeypatch):
     monkeypatch.setattr("flexmb.viewer.scene.MOST_STATES", 6)
     np.testing.assert_allclose(fm.view(swinging).along, np.linspace(0, 1, 6))

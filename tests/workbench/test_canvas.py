@@ -103,6 +103,7 @@ def test_a_node_dropped_on_another_becomes_part_of_it(page):
     assert len(ask(page, "s.state.undo")) == steps + 1
 
 
+@pytest.mark.slow
 def test_clicks_meet_nodes_middles_and_lines_through_other_nodes(page):
     edit(
         page,
