@@ -18,7 +18,6 @@ from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
 from ..linear.loose import without_mass
-from ..mechanics.loads import warn_of_increment
 from ..mechanics.signals import terms_of
 from ..model.model import Model, as_model
 from ..numerical_limits import ENERGY_OF_MOTION, ENERGY_ROUND_OFF, SOON_AFTER_START
@@ -30,7 +29,7 @@ from .balance import at_start
 from .controlled_form import Feedback
 from .controllers import Sampled
 from .drive import Driven
-from .drives_by_name import Drives, driven_by, jump_times
+from .drives_by_name import Drives, driven_by, jump_times, warn_of_left_out
 from .events import as_it_is, check_at_start, conditions_of
 from .full_turns import warn_of_full_turns
 from .integrate import (
@@ -142,9 +141,10 @@ def simulate(
 
     Warns:
         FlexmbWarning: A linear system as controller has neither ``reference`` nor ``sign``.
-        FlexmbWarning: There are incremental loads without ``increment``; the start depends on degrees of freedom that
-            flexmb chose; a strain or an imperfection causes stress at the start; a controller acts on a mechanism of 60
-            coordinates or more, or goes on from a controlled motion with its states at zero.
+        FlexmbWarning: There are incremental loads without ``increment`` that ``motion`` does not replace; the start
+            depends on degrees of freedom that flexmb chose; a strain or an imperfection causes stress at the start; a
+            controller acts on a mechanism of 60 coordinates or more, or goes on from a controlled motion with its
+            states at zero.
         FlexmbWarning: The energy changes without work by loads, dampers, controllers or prescribed motions. The change
             divided by the greatest kinetic plus elastic energy (``Motion.energy_error``) exceeds 100 ``rtol`` and 1e-8.
         CoarseWarning: A beam is bent or twisted too far for the accuracy of one beam, or stretched by more than 1 %.
@@ -162,9 +162,9 @@ def simulate(
     top = model.topology
     if top.x.fixed.shape[0] + top.x.prescribed.shape[0] == top.n_x:
         raise ModelError("Nothing moves by itself: every coordinate of the mechanism is FIXED or PRESCRIBED. Free one.")
-    if drives.increment is None:
-        warn_of_increment(model, "simulate")
     driven = driven_by(model, drives)
+    if drives.increment is None:
+        warn_of_left_out(model, driven, "simulate")
     jumps = jump_times(drives, driven)
     given_solver = integrator.solver
     check_form(integrator, loop.control is not None)

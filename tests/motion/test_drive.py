@@ -52,6 +52,18 @@ def test_increment_stress_and_prescribed_motion_at_once():
     np.testing.assert_allclose(found.force_needed("mass", "x"), 3.0 + force * np.cos(9 * times), atol=1e-12)
 
 
+@pytest.mark.slow
+def test_incremental_loads_that_a_motion_replaces_are_not_left_out():
+    """The foot is prescribed once as an increment; its motion replaces that, but no force."""
+    model = sprung_mass(foot="prescribed")
+    model.prescribe("foot", "x", 0.02, increment=True)
+    motion = {"foot.x": lambda t: 0.02 * jnp.sin(7 * t)}
+    fm.simulate(model.build(), [0.0, 0.01], motion=motion)
+    model.force("mass", (8.0, 0), increment=True)
+    with pytest.warns(fm.FlexmbWarning, match=r"fm\.simulate leaves out the incremental loads"):
+        fm.simulate(model.build(), [0.0, 0.01], motion=motion)
+
+
 def hanging_rod() -> fm.Builder:
     """A rod with a mass at its end, across a crank whose angle is prescribed."""
     b = fm.Builder()
