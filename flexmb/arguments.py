@@ -306,7 +306,9 @@ def check_flag(name: str, value: Any, fault: type = TypeError) -> Any:
 
 
 def check_by_name(name: str, value: Any) -> Any:
-    """Return an argument that is a dictionary; raise TypeError for another."""
+    """Return an argument that is a dictionary; raise TypeError for another. An empty list is an empty dictionary."""
+    if isinstance(value, list | tuple) and not value:
+        return {}
     if not isinstance(value, Mapping):
         raise TypeError(
             f"Argument `{name}` must be a dictionary by name, such as {{'thickness': ..}}, not {short_repr(value)}."

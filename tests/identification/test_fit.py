@@ -2,6 +2,7 @@
 
 import dataclasses
 import warnings
+from typing import Any
 
 import jax
 import matplotlib.pyplot as plt
@@ -59,7 +60,9 @@ def test_a_straight_line_as_its_textbook_formulas_say():
     values = LOADS / STIFFNESS + 2e-3 + 1e-4 * rng.standard_normal(len(LOADS))
     data = fm.measured(readings, values, over=LOADS, label="load [N]")
     parameters = {"stiffness": 70.0, "offset": 0.0}
-    found = fm.fit(lambda stiffness: cart(stiffness), data, parameters, {"stiffness": (10, 1000), "offset": (-1, 1)})
+    bounds = {"stiffness": (10, 1000), "offset": (-1, 1)}
+    empty: Any = []
+    found = fm.fit(lambda stiffness: cart(stiffness), data, parameters, bounds, priors=empty)
     slope, offset = np.polyfit(LOADS, values, 1)
     assert 1 / found.parameters["stiffness"] == pytest.approx(slope, rel=1e-7)
     assert found.parameters["offset"] == pytest.approx(offset, rel=1e-6)
