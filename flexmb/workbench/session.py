@@ -35,7 +35,7 @@ class VisibleJob:
 
     def __init__(self, job: Job, document: Document, write: Callable[[list[dict[str, Any]]], None]):
         self._job, self._document, self._write = job, document, write
-        self._last = 0.0
+        self._last, self._shown = 0.0, []
 
     @property
     def stopped(self) -> bool:
@@ -49,7 +49,15 @@ class VisibleJob:
         if not changes.get("design") or now - self._last < PACE or self.stopped:
             return
         self._last = now
+        self._shown = list(changes["design"])
         self._write(name_ops(self._document, changes["design"], DIGITS))
+
+    def end(self, ops: list[dict[str, Any]]) -> None:
+        """Write the last design; names that it does not change return to their values before the search."""
+        changed = {op["name"] for op in ops}
+        same = [name for name in self._shown if name not in changed]
+        if ops := [*ops, *({"op": "name", "name": name, "to": self._document.names[name]} for name in same)]:
+            self._write(ops)
 
 
 # Longest time that a pinned design waits for its answers [s].
@@ -188,10 +196,13 @@ class Session:
                 self._changed(self.history.edit(ops, label, merge))
 
         def work(job: Job) -> dict[str, Any]:
-            result = meet(document, wants, free, VisibleJob(job, document, lambda ops: written(ops, label)), node)
-            if result["ops"]:
-                written(result["ops"], label)
-            return result
+            visible, ops = VisibleJob(job, document, lambda ops: written(ops, label)), []
+            try:
+                result = meet(document, wants, free, visible, node)
+                ops = result["ops"]
+                return result
+            finally:
+                visible.end(ops)
 
         return {"job": self.jobs.start("target", work)}
 

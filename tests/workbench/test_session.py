@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from cases.disk import full, not_regular
+from cases.documents import planar_guide
 from cases.tolerances import approx
 from cases.workbench import cantilever, thing
 
@@ -16,8 +17,9 @@ from flexmb.spacar.lines import LARGEST_FILE
 from flexmb.workbench import open_file
 from flexmb.workbench.begin import TakenError, session_of_file, session_of_new
 from flexmb.workbench.document import Document
+from flexmb.workbench.jobs import Job
 from flexmb.workbench.server import guarded
-from flexmb.workbench.session import Refused, Session
+from flexmb.workbench.session import Refused, Session, VisibleJob
 
 pytestmark = pytest.mark.timeout(120)
 LENGTH, DEPTH, THICKNESS, MASS = 0.1, 0.02, 0.5e-3, 0.1
@@ -354,6 +356,19 @@ def test_a_file_that_comes_to_hold_what_is_here_is_no_news(opened, tmp_path, mon
     path.write_text(session.history.document.text)
     told.until(lambda n: n["document"].get("saved"), 3)
     assert "file" not in told.newest
+
+
+def test_a_name_that_a_search_leaves_as_it_was_has_its_value_again():
+    document, written = planar_guide(), []
+    job = VisibleJob(Job("1", "target", lambda message: None), document, written.append)
+    job.tell(design={"t": 0.6e-3, "L": 0.12})
+    job.end([{"op": "name", "name": "L", "to": {"value": "0.11"}}])
+    assert {op["name"]: op["to"]["value"] for op in written[0]} == {"t": "0.0006", "L": "0.12"}
+    assert {op["name"]: op["to"] for op in written[1]} == {"t": document.names["t"], "L": {"value": "0.11"}}
+    written.clear()
+    # What no page has seen needs no return.
+    VisibleJob(Job("1", "target", lambda message: None), document, written.append).end([])
+    assert not written
 
 
 @pytest.mark.slow
