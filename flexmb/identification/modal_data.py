@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-from jaxtyping import Complex, Float
+from jaxtyping import Bool, Complex, Float
 
 from ..arguments import check_choice, check_whole
 from ..compilation.threads import one_thread
@@ -24,6 +24,8 @@ MOST_MODES = 12
 # For each further mode: number of refined candidates, number of peaks of the differences, damping ratios at the peaks.
 TRIED, PEAKS = 3, 4
 RATIOS = np.array([0.002, 0.01, 0.05])
+# Least damping ratio of the search.
+LEAST_RATIO = 1e-8
 
 
 @dataclasses.dataclass(frozen=True, repr=False)
@@ -106,7 +108,8 @@ def modes_of_response(
         AnalysisError: flexmb finds fewer modes than wanted (not_converged).
 
     Warns:
-        FlexmbWarning: The root mean square of the differences exceeds 1.5 times the given deviations.
+        FlexmbWarning: The root mean square of the differences exceeds 1.5 times the given deviations. A mode ended at a
+            bound of its search, such as the largest damping ratio of 0.5.
 
     Source:
         Candidates: AAA, Nakatsukasa, Sete, Trefethen 2018 (SciPy). Number of modes by the Bayesian information
@@ -124,10 +127,11 @@ def modes_of_response(
     most = (values.size * 2 - 1) // (2 * values.shape[1] + 2) - 1
     if (modes or 1) > most:
         raise ValueError(f"{values.size} values do not determine {modes or 1} modes: measure more frequencies.")
-    chosen = _chosen(rows, _candidates(rows), modes, min(most, modes or MOST_MODES))
+    chosen, bounded = _chosen(rows, _candidates(rows), modes, min(most, modes or MOST_MODES))
     if modes is None and len(chosen) == MOST_MODES < most:
         warn(f"The search ended at {MOST_MODES} modes. If there are more in the band, state their number by `modes`.")
-    poles: Any = chosen[np.argsort(np.abs(chosen))]
+    order_of_modes = np.argsort(np.abs(chosen))
+    poles: Any = chosen[order_of_modes]
     jacobian = rows.slopes(poles)
     residual, coefficients = rows.solved(poles)
     freedom = max(len(residual) - 2 * len(poles) - coefficients.size, 1)
@@ -141,6 +145,13 @@ def modes_of_response(
     covariance = np.linalg.inv(jacobian.T @ jacobian) * scale**2
     relative = np.sqrt(np.diag(covariance)).reshape(2, -1)
     frequencies, damping = np.abs(poles) / (2 * np.pi), -poles.real / np.abs(poles)
+    for i in np.flatnonzero(bounded[order_of_modes]):
+        warn(
+            f"Mode {i + 1} ended at a bound of its search, at {frequencies[i]:.4g} Hz with a damping ratio of"
+            f" {damping[i]:.4g}. Both are wrong, and their deviations too small. The search allows damping ratios from"
+            f" {LEAST_RATIO:g} to {LARGEST_RATIO_OF_MODE:g}, and 30 % about a peak. Ask for fewer `modes`, or cut the"
+            " band."
+        )
     residues = rows.residues(poles, coefficients) * poles**order
     return ModalData(
         frequencies,
@@ -283,9 +294,11 @@ def _candidates(rows: _Rows) -> np.ndarray:
     return np.array(different)
 
 
-def _chosen(rows: _Rows, candidates: np.ndarray, count: int | None, most: int) -> np.ndarray:
-    """Add poles one after the other: each time the pole that reduces the differences most."""
-    chosen, score = np.zeros(0, complex), np.inf
+def _chosen(
+    rows: _Rows, candidates: np.ndarray, count: int | None, most: int
+) -> tuple[np.ndarray, Bool[np.ndarray, "modes"]]:
+    """Add poles one after the other: each time the pole that reduces the differences most; as :func:`_refined`."""
+    chosen, bounded, score = np.zeros(0, complex), np.zeros(0, bool), np.inf
     values = 2 * rows.values.size
     while len(chosen) < most:
         trials = np.concatenate([candidates, _at_differences(rows, chosen)])
@@ -293,22 +306,22 @@ def _chosen(rows: _Rows, candidates: np.ndarray, count: int | None, most: int) -
         costs = [float(np.sum(rows.solved(np.append(chosen, pole))[0] ** 2)) for pole in distinct]
         refined = []
         for i in np.argsort(costs)[:TRIED]:
-            more = _refined(rows, np.append(chosen, distinct[int(i)]))
-            refined.append((float(np.sum(rows.solved(more)[0] ** 2)), more))
+            more, at_bound = _refined(rows, np.append(chosen, distinct[int(i)]))
+            refined.append((float(np.sum(rows.solved(more)[0] ** 2)), more, at_bound))
         if not refined:
             break
-        cost, more = min(refined, key=lambda pair: pair[0])
+        cost, more, at_bound = min(refined, key=lambda one: one[0])
         numbers = len(more) * (2 + 2 * rows.values.shape[1])
         new = values * np.log(max(cost, np.finfo(float).tiny)) + numbers * np.log(values)
         if count is None and (new >= score or not _are_modes(rows, more, cost)):
             break
-        chosen, score = more, new
+        chosen, bounded, score = more, at_bound, new
     if len(chosen) < (count or 1):
         raise AnalysisError(
             RESULTS.not_converged.name,
             f"Of {count or 1} modes {len(chosen)} were found in the responses. Ask for fewer, or measure more points.",
         )
-    return chosen
+    return chosen, bounded
 
 
 def _are_modes(rows: _Rows, poles: Any, cost: float) -> bool:
@@ -335,8 +348,8 @@ def _at_differences(rows: _Rows, poles: Any) -> np.ndarray:
     return (size * (-RATIOS + 1j * np.sqrt(1 - RATIOS**2))).ravel()
 
 
-def _refined(rows: _Rows, poles: Any) -> np.ndarray:
-    """Return the poles with the least squares of differences near given poles."""
+def _refined(rows: _Rows, poles: Any) -> tuple[np.ndarray, Bool[np.ndarray, "modes"]]:
+    """Return the poles with the least squares of differences near given poles, and whether each is at a bound."""
     from scipy.optimize import least_squares
 
     def poles_of(numbers: np.ndarray) -> np.ndarray:
@@ -347,7 +360,7 @@ def _refined(rows: _Rows, poles: Any) -> np.ndarray:
         np.concatenate([np.abs(poles), np.clip(-poles.real / np.abs(poles), 1e-6, 0.9 * LARGEST_RATIO_OF_MODE)])
     )
     count = len(poles)
-    lower = np.concatenate([first[:count] - 0.3, np.full(count, np.log(1e-8))])
+    lower = np.concatenate([first[:count] - 0.3, np.full(count, np.log(LEAST_RATIO))])
     upper = np.concatenate([first[:count] + 0.3, np.full(count, np.log(LARGEST_RATIO_OF_MODE))])
     solution = least_squares(
         lambda numbers: rows.solved(poles_of(numbers))[0],
@@ -356,7 +369,9 @@ def _refined(rows: _Rows, poles: Any) -> np.ndarray:
         bounds=(lower, upper),
         x_scale="jac",
     )
-    return poles_of(solution.x)
+    # Within 1 % of a bound: the search approaches it from inside.
+    at_bound = np.minimum(solution.x - lower, upper - solution.x) < 0.01
+    return poles_of(solution.x), np.any(at_bound.reshape(2, -1), axis=0)
 
 
 def _real_shapes(residues: np.ndarray) -> np.ndarray:

@@ -84,6 +84,15 @@ def test_wrong_responses_are_named():
         modes_of_response(HERTZ, clean, quantity="force")  # type: ignore
 
 
+@pytest.mark.parametrize(("ratio", "text"), [(0.6, "damping ratio of 0.5"), (0.0, "damping ratio of 1e-08")])
+def test_a_mode_at_a_bound_of_its_search_is_told(ratio, text):
+    """One oscillator that is damped more than a mode may be, or not at all, beside an ordinary one."""
+    s = 2j * np.pi * HERTZ
+    clean = sum(1 / (s**2 + 2 * z * w * s + w**2) for z, w in ((ratio, 160.0), (0.02, 400.0)))
+    with pytest.warns(fm.FlexmbWarning, match=rf"Mode 1 ended at a bound of its search, .* {text}"):
+        modes_of_response(HERTZ, noisy(clean, 1e-3, 3), modes=2)
+
+
 def test_what_modes_do_not_explain_is_told():
     with pytest.warns(fm.FlexmbWarning, match="times the given deviations"):
         modes_of_response(HERTZ, responses(), 1e-3 * np.abs(responses()), modes=2)
