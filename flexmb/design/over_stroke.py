@@ -27,6 +27,7 @@ from ..model.model import Model
 from ..numerical_limits import ALONG_AXIS, RIGID_NODE
 from ..questions.question import asked, components_of, unit_of_question
 from ..results import RESULTS
+from ..statics.solver_choice import up_to
 from .stroke import AtStroke, StrokeDrive, unit_of_driven
 
 
@@ -144,7 +145,7 @@ class StrokeQuestions:
         return self.node
 
     def _frequencies(self, at: AtStroke, x_at_rest: Any) -> dict[str, Any]:
-        hertz = frequencies(at.free, count=self.count)
+        hertz = frequencies(at.free, count=up_to(self.count, at.free.model))
         if is_concrete(hertz) and 0.0 not in self.values:
             self.count = int(np.sum(np.isfinite(hertz)))
         if not self.count:

@@ -64,7 +64,7 @@ def verdict(
         node: Node of support stiffness and parasitic motion; by default the driven node.
         steps: Number of strokes to each side. If a stroke has no equilibrium, this side ends at the largest stroke with
             an equilibrium, found to a hundredth of the stroke.
-        count: Number of frequencies.
+        count: Largest number of frequencies.
         progress: True for a bar, or a function called with the number of strokes done and of all. None: a bar in a
             terminal.
 

@@ -34,7 +34,7 @@ from ..results import RESULTS, or_nan
 from ..statics.equilibrium import check_stiffness
 from ..statics.newton_search import prescribed_values
 from ..statics.solve import solve_state
-from ..statics.solver_choice import asked_solver, few_of, is_large
+from ..statics.solver_choice import asked_solver, few_of, is_large, warn_of_fewer
 from .about import Where
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, linearized_by_elements
 from .sparse_buckling import moved_by_loads, sparse_multipliers
@@ -363,14 +363,16 @@ def buckling_loads(
     Warns:
         FlexmbWarning: Loads or laws without a potential act, and the smallest multipliers are complex. Or the mechanism
             deflects by a large amount before it buckles. Or, without incremental loads, it deflects by more than 0.1 of
-            its extent or 0.1 rad at load factor 1.
+            its extent or 0.1 rad at load factor 1. Or there are fewer than ``count`` multipliers.
 
     Source:
         det(K0 + N0 + lambda G0) = 0, tutorial WA 1239 (2012), eq. (A.2).
     """
     how = throw, Where(at, step, None, increment)
     answer = _by_sparse(model, "buckling_loads", *how, count, asked_solver(sparse, solver))
-    return (_asked(model, "buckling_loads", *how) if answer is None else answer)[0][:count]
+    smallest = (_asked(model, "buckling_loads", *how) if answer is None else answer)[0]
+    warn_of_fewer("buckling_loads", count, len(smallest), "load multipliers")
+    return smallest[:count]
 
 
 def _by_sparse(
@@ -439,6 +441,9 @@ def buckling(
         AnalysisError: See :func:`buckling_loads`.
         TypeError: Numbers are traced; use :func:`buckling_loads`.
 
+    Warns:
+        FlexmbWarning: See :func:`buckling_loads`. There are fewer than ``count`` finite multipliers.
+
     Source:
         See :func:`buckling_loads`.
     """
@@ -451,6 +456,7 @@ def buckling(
     answer = _by_sparse(model, "buckling", throw, where, count, asked_solver(sparse, solver), linearizes=True)
     multiplier, shapes, lin = _asked(model, "buckling", throw, where) if answer is None else answer
     bounded = int(np.sum(np.isfinite(multiplier)[:count]))
+    warn_of_fewer("buckling", count, bounded, "finite load multipliers")
     multiplier, shapes = np.asarray(multiplier), np.asarray(shapes)[:, :bounded]
     largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(bounded)]
     lin = lin or linearize(model, increment=increment or 0.0, throw=throw)

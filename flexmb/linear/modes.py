@@ -21,7 +21,7 @@ from ..model.model import Model, as_determined
 from ..model.topology import Parameters, Topology
 from ..results import RESULTS, check, collects, or_nan
 from ..statics.equilibrium import Equilibrium, without_stiffness
-from ..statics.solver_choice import asked_solver, few_of
+from ..statics.solver_choice import asked_solver, few_of, warn_of_fewer
 from .about import Where, by_elements, linearized
 from .linearize import Linearization, ManyStates, Matrices, Shapes, linearize, matrices
 from .loose import (
@@ -160,6 +160,9 @@ def frequencies(
         ValueError: ``count`` is not positive, or missing with ``sparse``.
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
 
+    Warns:
+        FlexmbWarning: The mechanism has fewer than ``count`` frequencies. All of them are returned.
+
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
@@ -168,11 +171,14 @@ def frequencies(
     if large is not None:
         refuse_unsymmetric(large.symmetric)
         with naming_culprit(large):
-            return to_frequency(lowest_values(large.elements, cast(int, count), large.solver))
+            hertz = to_frequency(lowest_values(large.elements, cast(int, count), large.solver))
+        warn_of_fewer("frequencies", count, len(hertz), "frequencies")
+        return hertz
     # Studies of designs also collect whether a state is stable.
     if isinstance(model, Linearization) or at is not None or collects():
         model = linearized(model, "frequencies", throw, where)
         m = model.matrices
+        warn_of_fewer("frequencies", count, len(m.M0), "frequencies")
         if at is not None and m.moving is not None:
             return jnp.asarray(real_frequencies(np.asarray(m.K), np.asarray(m.M0))[:count])
         refuse_unsymmetric(m.symmetric)
@@ -180,6 +186,7 @@ def frequencies(
     else:
         where.refuse("frequencies")
         target = load_factors_of(as_determined(model, "frequencies"), 1.0, increment, "frequencies")
+        warn_of_fewer("frequencies", count, model.topology.n_q, "frequencies")
         refuse_unsymmetric(not lacks_potential(model.topology))
         values, result = _frequencies(model.topology, model.parameters, target, count=count)
     check_spectrum(result, throw, model)
@@ -243,6 +250,9 @@ def modes(
         AnalysisError: The equilibrium was not found, or a motion has neither mass nor stiffness, or a negative mass.
         TypeError: Numbers are traced, and the matrices are dense; use :func:`frequencies`.
 
+    Warns:
+        FlexmbWarning: The mechanism has fewer than ``count`` modes with mass.
+
     Source:
         THEORY.md 7, eq. (7.2); tutorial WA 1239 (2012), eq. (A.1).
     """
@@ -258,6 +268,7 @@ def modes(
         raise TypeError("The number of modes depends on traced numbers. Use fm.frequencies under jax.grad and jax.jit.")
     finite = int(np.sum(np.isfinite(values)))
     some = finite if count is None else min(count, finite)
+    warn_of_fewer("modes", count, some, "modes with mass")
     return Modes(
         values[:some], hertz[:some], shapes[:, :some], q_shapes[:, :some], values.shape[0] - finite, bool(stable), lin
     )
@@ -278,6 +289,7 @@ def _modes_of_large(lin: Linearization, count: Any) -> Modes:
             moving, constraints = lin.elements.unknowns
             massless = moving - constraints - some
             values, motions, q_shapes = values[:some], motions[:, :some], q_shapes[:, :some]
+    warn_of_fewer("modes", count, len(values), "modes with mass")
     return Modes(values, to_frequency(values), motions, q_shapes, massless, stable, lin)
 
 
@@ -314,6 +326,9 @@ def poles(
         ValueError: ``count`` is not positive, or missing with sparse matrices, or too large.
         TypeError: Numbers are traced, as under ``jax.grad``, and ``count`` is missing.
 
+    Warns:
+        FlexmbWarning: The mechanism has fewer than ``count`` poles.
+
     Source:
         THEORY.md 7, eq. (7.3); companion form with the pencil's mass, solved by the QZ method; by sparse matrices
         (7.20). Derivatives: (10.4).
@@ -321,7 +336,9 @@ def poles(
     where = Where(at, step, time, increment)
     large, count = _asked(model, "poles", count, where, asked_solver(sparse, solver))
     if large is not None:
-        return _poles_of_large(large, count)
+        nearest = _poles_of_large(large, count)
+        warn_of_fewer("poles", count, len(nearest), "finite poles")
+        return nearest
     lin = linearized(model, "poles", where=where)
     refuse_negative_mass(lin)
     # Damping alone leaves a pole at zero; without damping any number would be a pole.
@@ -330,7 +347,9 @@ def poles(
         return _poles_of_traced(lin.matrices, count)
     # On the host from the start: within another program JAX would trace sums of its arrays.
     m = jax.tree.map(np.asarray, lin.matrices)
-    return slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)
+    nearest = slowest(poles_of(m.K, m.C0 + m.D0, m.M0), count)
+    warn_of_fewer("poles", count, len(nearest), "finite poles")
+    return nearest
 
 
 def _poles_of_traced(m: Matrices, count: int | None) -> Any:

@@ -10,6 +10,7 @@ from ..motion.motion import Motion
 from ..paths.path import Path
 from ..paths.sparse_path import SparsePath
 from ..questions.frequency import frequencies_along
+from ..statics.solver_choice import up_to
 from .canvas import label_axis, largest_finite, plain_axes
 from .modes import AT_MOST
 from .path import index_of
@@ -44,7 +45,8 @@ def frequencies(
         raise TypeError(f"Argument `found` must be a Path or a Motion, but is a {type(found).__name__}.")
     states = states_of(found)
     if isinstance(found, SparsePath):
-        hertz = np.asarray([frequencies_of(found.linearization(i), count=count) for i in range(len(found.x))])
+        most = up_to(count, found.model)
+        hertz = np.asarray([frequencies_of(found.linearization(i), count=most) for i in range(len(found.x))])
     elif isinstance(found, Motion):
         hertz = frequencies_along(found.linearizations().matrices)
     else:

@@ -11,12 +11,13 @@ from ..linear.sparse_solve import lowest_values
 from ..linear.spectrum import real_frequencies, to_frequency
 from ..mechanics.loads import lacks_potential
 from ..results import RESULTS
-from .question import Question, each_linearization, finite_or_nan, is_index, is_many, number_along_axis
+from ..statics.solver_choice import up_to
+from .question import Question, each_linearization, finite_or_nan, is_index, is_many, model_of, number_along_axis
 
 
 def _frequency(state: Any, argument: str) -> Any:
     if not is_many(state):
-        count = int(argument) if is_index(argument) else 1
+        count = up_to(int(argument), model_of(state)) if is_index(argument) else 1
         return number_along_axis(frequencies(state, count=count), "frequency", argument)
     if state.by_sparse and is_index(argument):
         refuse_unsymmetric(not lacks_potential(state.model.topology))

@@ -7,7 +7,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..arguments import check_flag, short_repr
-from ..errors import ModelError
+from ..errors import ModelError, warn
 from ..math.linear_solver import DENSE, SOLVERS, SPARSE, LinearSolver
 from ..mechanics.loads import lacks_potential
 from ..model.model import Model
@@ -87,8 +87,23 @@ def few_of(given: Any, count: int | None) -> bool:
     """Whether the number of modes wanted is small enough for sparse matrices."""
     if count is None or not isinstance(given, Model):
         return count is not None
-    topology = given.topology
-    return not asks_for_all(count, topology.x.free.shape[0] - topology.e.held.shape[0])
+    return not asks_for_all(count, _motions_of(given))
+
+
+def _motions_of(model: Model) -> int:
+    """Number of motions that the constraints leave, the largest possible number of modes."""
+    return model.topology.x.free.shape[0] - model.topology.e.held.shape[0]
+
+
+def up_to(count: int, model: Model) -> int:
+    """The number of modes wanted, or the number of motions of a model if that is smaller; at least 1."""
+    return max(min(count, _motions_of(model)), 1)
+
+
+def warn_of_fewer(function: str, count: int | None, answers: int, what: str) -> None:
+    """Warn of fewer answers than the ``count`` wanted. ``what`` is their name, such as "frequencies"."""
+    if count is not None and answers < count:
+        warn(f"Argument `count` of fm.{function} is {count}, but the mechanism has fewer {what}: {answers}.")
 
 
 def asks_for_all(count: int, every: int, many: int = MANY) -> bool:

@@ -172,7 +172,8 @@ def test_what_is_chosen_and_refused():
     with pytest.raises(ValueError, match=r"give fm\.modes a Model"):
         fm.modes(fm.linearize(bent(check=True)), count=2, sparse=True)
     # All that there are.
-    assert fm.modes(large, count=100).eigenvalues.shape == fm.modes(bent(check=True)).eigenvalues.shape
+    with pytest.warns(fm.FlexmbWarning, match="fewer modes with mass"):
+        assert fm.modes(large, count=100).eigenvalues.shape == fm.modes(bent(check=True)).eigenvalues.shape
     with pytest.raises(AttributeError, match="no K0, a matrix in the degrees of freedom"):
         large.K0  # noqa: B018
     with pytest.raises(ValueError, match="contradicts at="):
@@ -229,6 +230,7 @@ def comb(leaves, check=False):
     return b.build(check=check)
 
 
+@pytest.mark.filterwarnings("ignore:Argument `count`")
 @pytest.mark.slow
 def test_few_motions_of_many_coordinates_are_found_one_and_all():
     """One cubic beam whose top may only shift buckles at 10 EI/L^2; its six frequencies are those of dense matrices."""
@@ -286,6 +288,7 @@ def light_line(masses, clamped=True, inertia=None):
     return b.build(check=False)
 
 
+@pytest.mark.filterwarnings("ignore:Argument `count`")
 @pytest.mark.slow
 def test_a_mass_on_many_beams_without_mass():
     """Closed form: a point mass at the end of a cantilever bends and stretches it; nothing else has mass."""
@@ -405,6 +408,7 @@ def test_a_design_that_fails_stops_no_other(name, code):
     np.testing.assert_array_equal(np.isfinite(found[name]), [True, False, True])
 
 
+@pytest.mark.filterwarnings("ignore:Argument `count`")
 def test_nothing_moves():
     b = fm.Builder()
     b.node("A", (0.0, 0.0))

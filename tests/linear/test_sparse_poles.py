@@ -145,6 +145,7 @@ def test_free_motions_have_poles_at_zero():
     np.testing.assert_allclose(np.max(np.abs(found)), 4.7300407449**2, rtol=1e-5)
 
 
+@pytest.mark.filterwarnings("ignore:Argument `count`")
 @pytest.mark.slow
 def test_masses_of_few_coordinates_have_few_poles():
     b = light_column()

@@ -233,3 +233,19 @@ def test_a_picture_takes_an_equilibrium_by_its_article(pressed):
     stored = pickle.loads(pickle.dumps(found))
     with pytest.raises(TypeError, match="not an Equilibrium"):
         plot.mechanism(stored)
+
+
+@pytest.mark.slow("frequencies-1", "modes-1", "buckling_loads-1")
+@pytest.mark.parametrize(
+    ("function", "there"),
+    [("frequencies", 1), ("modes", 1), ("poles", 2), ("buckling_loads", 1), ("buckling", 1)],
+)
+def test_fewer_answers_than_wanted_are_told(function, there):
+    b = planar_guide()
+    b.force("left1", (0, -LOAD))
+    model = b.build()
+    ask = getattr(fm, function)
+    with pytest.warns(fm.FlexmbWarning, match=rf"`count` of fm\.{function} is 50, but .* fewer .*: {there}\."):
+        ask(model, count=50)
+    # As many as there are: no word.
+    ask(model, count=there)
