@@ -79,6 +79,15 @@ def test_reference_has_arguments_and_errors(site):
     for name in ("frequencies", "equilibrium", "Builder", "simulate"):
         assert re.search(rf'id="flexmb\.[\w.]+\.{name}"', page), name
     assert "Raises" in page
+    # Methods of results, and sections of a module.
+    for page, name in (
+        ("fm_identification", "Fit.next_measurement"),
+        ("flexmb_paths", "Path.along"),
+        ("flexmb_statics", "Equilibrium.position"),
+        ("fm_sections", "General"),
+    ):
+        text = (site[1] / f"api/{page}.html").read_text(encoding="utf-8")
+        assert re.search(rf'id="flexmb\.[\w.]+\.{re.escape(name)}"', text), name
 
 
 def test_pages_show_code_and_names_as_written(site):
@@ -88,6 +97,10 @@ def test_pages_show_code_and_names_as_written(site):
         prose = re.sub(r"<(pre|script)\b.*?</\1>", "", text, flags=re.DOTALL)
         assert "```" not in prose, page
         assert not re.search(r":(?:func|class|meth|mod):", prose), page
+        # Equations in TeX.
+        assert "$$" not in prose, page
+        assert not re.search(r"\\(?:frac|sqrt|mathrm|\()", prose), page
+    assert "<mfrac>" in (site[1] / "notebooks/01_build_guide.html").read_text(encoding="utf-8")
     assert "&lt;name&gt; middle" in (site[1] / "api/fm_blocks.html").read_text(encoding="utf-8")
 
 
@@ -97,3 +110,8 @@ def test_every_block_is_in_the_gallery(site):
         assert f"gallery/{name}.png" in page
         assert (site[1] / f"gallery/{name}.png").stat().st_size > 3000
     assert page.count("<iframe") == 3
+    for source in (ROOT / "notebooks").glob("[0-9][0-9]_*.ipynb"):
+        assert f"notebooks/{source.stem}.html" in page
+    # A picture links to its code.
+    blocks_page = (site[1] / "api/fm_blocks.html").read_text(encoding="utf-8")
+    assert blocks_page.count("Source code") >= len(dir(blocks))

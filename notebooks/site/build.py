@@ -6,6 +6,8 @@ docstrings and signatures, and a gallery. Open ``index.html`` in FOLDER; no serv
 
 import argparse
 import base64
+import html
+import importlib
 import json
 import os
 import re
@@ -27,10 +29,17 @@ NAMED = re.compile(r"^```(\w+) (\S+)$", re.MULTILINE)
 # What docstrings contain and pages would show wrongly: roles of Sphinx, and placeholders that look like tags.
 ROLE = re.compile(r":(?:func|class|meth|mod|attr|exc):<code>")
 PLACEHOLDER = re.compile(r"<(name|number|sign)>")
+# An equation in TeX: in a line, or in a line of its own.
+EQUATION = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 FENCE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
 ROOMS = ("flexmb", "tests", "benchmarks", "notebooks")
 # The rooms of the API reference beside the names that `fm` offers itself.
-API_ROOMS = ("blocks", "control", "design", "linear", "motion", "plot", "spacar", "trajectory", "planar", "spatial")
+API_ROOMS = (
+    *("blocks", "control", "design", "identification", "linear", "motion", "plot", "spacar", "trajectory"),
+    *("planar", "spatial", "sections", "rotations"),
+)
+# Rooms with classes of results; `fm` does not offer them by name.
+RESULT_ROOMS = ("checks", "paths", "statics")
 NAVIGATION = {
     "Start": [
         "README.md",
@@ -152,10 +161,9 @@ def api_pages(pages: Path) -> list[tuple[str, str]]:
     (pages / "api").mkdir()
     written = []
 
-    def write(title: str, intro: str, names: dict[str, str]) -> None:
-        entries = [
-            f"::: {where}.{name}\n    options:\n      heading_level: 2\n" for name, where in sorted(names.items())
-        ]
+    def write(title: str, intro: str, names: dict[str, str], options: str = "") -> None:
+        options = f"    options:\n      heading_level: 2\n{options}"
+        entries = [f"::: {where}.{name}\n{options}" for name, where in sorted(names.items())]
         path = f"api/{title.replace('.', '_')}.md"
         (pages / path).write_text("\n".join([f"# {title}", intro, "", *entries]), encoding="utf-8")
         written.append((title, path))
@@ -168,14 +176,28 @@ def api_pages(pages: Path) -> list[tuple[str, str]]:
         return {name: f"{where}.{name}" if where == "flexmb.plot" else where for name, where in found.items()}
 
     write("flexmb", "The names of `import flexmb as fm`.", functions_of(fm, "flexmb"))
-    for room in API_ROOMS:
-        module = getattr(fm, room)
+    for room in (*API_ROOMS, *RESULT_ROOMS):
+        module = getattr(fm, room) if room in API_ROOMS else importlib.import_module(f"flexmb.{room}")
         package = module.__name__ if Path(module.__file__).with_suffix(".pyi").exists() else ""
-        write(f"fm.{room}", (module.__doc__ or "").partition("\n\n")[0], functions_of(module, package))
+        title = f"{'fm' if room in API_ROOMS else 'flexmb'}.{room}"
+        # The gallery links to the code of the blocks.
+        options = "      show_source: true\n" if room == "blocks" else ""
+        write(title, (module.__doc__ or "").partition("\n\n")[0], functions_of(module, package), options)
     rows = [f"- [{title}]({Path(path).name})" for title, path in written]
     text = "Each page lists public names with their arguments, shapes, units and errors.\n"
     (pages / "api/index.md").write_text("\n".join(["# Reference", "", text, *rows, ""]), encoding="utf-8")
     return written
+
+
+def equation(match: re.Match[str]) -> str:
+    """MathML of an equation in TeX, which browsers draw without a program."""
+    from latex2mathml.converter import convert
+
+    text = html.unescape(match[2])
+    drawn = convert(text, display="inline" if match[1] == "span" else "block")
+    if unknown := re.search(r"\\\w+", re.sub("<.*?>", "", drawn)):
+        raise ValueError(f"An equation contains {unknown[0]}, which has no MathML: {text}")
+    return drawn
 
 
 def main() -> None:
@@ -217,6 +239,7 @@ def main() -> None:
             text = page.read_text(encoding="utf-8")
             own = "../" * (len(page.relative_to(folder).parts) - 1) + "worker.js"
             text = PLACEHOLDER.sub(r"&lt;\1&gt;", ROLE.sub("<code>", text.replace(SHIM, own)))
+            text = EQUATION.sub(equation, text)
             page.write_text(text, encoding="utf-8")
         print(f"The site is in {folder}: open index.html.")
 
