@@ -12,9 +12,10 @@ from jaxtyping import Array, Float
 from ..arguments import check_whole
 from ..design.designs import float_array
 from ..linear.linearize import linearize
-from ..linear.modes import frequencies
+from ..linear.modes import check_spectrum, frequencies, refuse_unsymmetric
 from ..linear.spectrum import spectrum, to_frequency
 from ..numerical_limits import WORST_MAC
+from ..results import or_nan
 from ..statics.solver_choice import up_to
 from .measurement import Measured, measured
 
@@ -116,7 +117,10 @@ def _modes_at_sensors(model: Any, at: Sequence[str], count: int) -> tuple[Array,
         if text not in names:
             raise KeyError(f"There is no coordinate '{text}' for a sensor; coordinates are {', '.join(names)}.")
     m = lin.matrices
-    values, vectors, *_ = spectrum(m.K, m.M0)
+    refuse_unsymmetric(m.symmetric)
+    values, vectors, _, result = spectrum(m.K, m.M0)
+    check_spectrum(result, True, lin)
+    values = or_nan(values, result)
     moved = (m.DFx @ vectors)[np.array([names.index(text) for text in at])]
     return values[:count], jax.lax.stop_gradient(moved[:, :count])
 

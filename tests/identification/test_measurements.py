@@ -78,6 +78,20 @@ def test_a_shape_without_partner_is_refused_by_its_number():
         fm.measured_modes([1.0, 2.0], 1e-3, shapes=np.eye(2), at=["left.x"])
 
 
+@pytest.mark.slow
+def test_shapes_are_not_paired_with_modes_of_an_unsymmetric_stiffness():
+    """Its frequencies are those of poles: a symmetric solver of modes would be wrong by a quarter under this force."""
+    b = fm.Builder()
+    b.node("foot", (0, 0))
+    b.node("tip", (1, 0))
+    b.add(planar.beam, "foot", "tip", name="beam", section=fm.Rigidity(EA=1e4, EIy=1.0, mass=1.0))
+    b.fix("foot")
+    b.force("tip", (-6.0, 0), follower=True)
+    data = fm.measured_modes([0.7], 0.1, shapes=[[1.0]], at=["tip.y"])
+    with pytest.raises(NotImplementedError, match="stiffness is unsymmetric"):
+        data.answer(b.build())
+
+
 def test_a_mode_beyond_the_last_is_refused():
     data = fm.measured_modes([1.5], 1e-3, numbers_of_modes=[3])
     with pytest.raises(ValueError, match="'frequencies' has mode 3, but the model has 2 modes"):
