@@ -350,8 +350,14 @@ class Fit(Result):
             Refitted, with the parameters of each set.
 
         Raises:
-            ValueError: There is no set, a set has another number of values, or a value is not finite.
+            ValueError: There is no set, a set has another number of values, or a value is not finite. A measurement is
+                logarithmic: its values are logarithms of ratios to its own response.
         """
+        if relative := [item.name for item in self.data if item.relative]:
+            raise ValueError(
+                f"Measurement '{relative[0]}' is logarithmic, so that its values are no responses. Fit other responses"
+                " by fm.fit, or measured_response without logarithmic=True."
+            )
         sets = np.atleast_2d(float_array("Sets of values", values))
         if sets.ndim != 2 or not len(sets) or sets.shape[1] != len(self.problem.measured):
             raise ValueError(f"Give sets of {len(self.problem.measured)} values each, not an array of {sets.shape}.")

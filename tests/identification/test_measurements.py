@@ -116,6 +116,10 @@ def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
         # Four deviations of a normal distribution: missed once in 16 000.
         assert abs(found.parameters[name] - value) < 4 * found.deviation[name]
         assert found.deviation[name] < 0.02 * value + 1e-4
+    if logarithmic:
+        # Other responses would be taken for logarithms of ratios.
+        with pytest.raises(ValueError, match="'response' is logarithmic, so that its values are no responses"):
+            found.again(np.concatenate([noisy.real, noisy.imag])[None])
 
 
 @pytest.mark.filterwarnings("ignore:The model does not fit the data:flexmb.FlexmbWarning")
