@@ -12,6 +12,7 @@ from ..arguments import as_reals, is_concrete, numbers, short_repr
 from ..compilation.compile import jit
 from ..linear.spectrum import shift_to_definite
 from ..math.linear import factorise, pencil
+from ..motion.controllers import signal_places
 from ..numerical_limits import BOUNDED_ROUND_OFF, MASSLESS_SHARE, NEGLIGIBLE
 from .frequency_response import place_of_name
 from .second_order_form import SecondOrder
@@ -181,9 +182,7 @@ def feedback_controller(
     ):
         side = "output" if kind == "measured" else "input"
         if names is None:
-            known = {name.replace(".", " ") for name in all_of}
-            has_names = own_names and all(name.replace(".", " ") in known for name in own_names)
-            names = own_names if has_names else list(all_of)
+            names = list(all_of) if signal_places(own_names, all_of, side) is None else own_names
         names = [names] if isinstance(names, str) else list(names)
         if count is not None and len(names) != count:
             raise ValueError(
@@ -213,7 +212,7 @@ def feedback_controller(
 
 def _controller_parts(controller: Any) -> tuple[Any, Any, Any, Any]:
     """Shape (outputs, inputs) and labels if known, matrices or a function of frequencies."""
-    if type(controller).__module__.split(".")[0] == "control":
+    if any(kind.__module__.split(".")[0] == "control" for kind in type(controller).__mro__):
         import control
 
         if getattr(controller, "isdtime", lambda **_: False)(strict=True):

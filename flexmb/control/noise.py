@@ -168,7 +168,7 @@ def noise_budget(
             for one output and one input. Matrices and results of functions may be traced. If the controller is a
             function, flexmb does not check the stability of the loop.
         measured: Names of the outputs that the controller reads, in its order. Default: names of the controller's
-            inputs, or all outputs if it has no names.
+            inputs, or all outputs if none of its names is an output's.
         driven: Names of the inputs that the controller drives, in its order. Default: names of the controller's
             outputs, or all inputs.
         sign: -1 for u = -K y, as in ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.
@@ -182,7 +182,8 @@ def noise_budget(
     Raises:
         AnalysisError: unstable: the mechanism or the loop does not come to rest, or has an undamped resonance within
             the frequencies, so that its noise is unbounded. Also failures of the linearisation.
-        ModelError: No controller reads a sensor with noise, there are no outputs, or an input moves nothing.
+        ModelError: No controller reads a sensor with noise, there are no outputs, or an input moves nothing. Some
+            of the controller's names belong to the mechanism, others do not.
         KeyError: A source, output or input is unknown.
         ValueError: There are no sources; a density is negative or has a wrong shape; a density that is no number has
             neither ``hertz`` nor ``band``; the controller does not fit; under ``jax.jit``, a ``band`` is combined with

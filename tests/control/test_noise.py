@@ -16,6 +16,7 @@ from cases.tolerances import approx
 
 import flexmb as fm
 from flexmb import planar
+from flexmb.control.feedback import feedback_controller
 
 K, D, M = 90.0, 1.2, 0.4
 # One-sided densities: 1e-4 N^2/Hz of force, 1e-3 (m/s^2)^2/Hz of the floor.
@@ -436,3 +437,26 @@ def test_what_is_refused():
         own = {"sources": white, "model": model, **words}
         with pytest.raises(fault, match=message):
             fm.control.noise_budget(own.pop("model"), own.pop("hertz", None), **own)
+
+
+def test_a_controller_of_names_is_connected_by_all_of_them_or_by_none():
+    """As in a simulation: one name of two that fits is a mistake, and would connect the signals in a wrong order."""
+    names: Any = {"inputs": ["speed", "other"], "outputs": ["push"]}
+    law = control.ss([], [], [], [[1.0, 2.0]], **names)
+    with pytest.raises(fm.ModelError, match="'other' is no output of the mechanism"):
+        feedback_controller(law, None, None, ["tip", "speed"], ["push"], -1)
+    law.set_inputs(["speed", "tip"])
+    assert feedback_controller(law, None, None, ["tip", "speed"], ["push"], -1).measured == (1, 0)
+    law.set_inputs(2)
+    assert feedback_controller(law, None, None, ["tip", "speed"], ["push"], -1).measured == (0, 1)
+
+
+def test_a_user_s_kind_of_system_is_no_function_of_frequencies():
+    """A system of python-control is callable too, with s in place of a frequency in Hz."""
+
+    class Lead(control.StateSpace):
+        pass
+
+    own = feedback_controller(Lead([[-50.0]], [[1.0]], [[500.0]], [[0.0]]), None, None, ["tip"], ["push"], -1)
+    s = 2j * np.pi * 10.0
+    assert own.by_frequency(np.array([10.0]))[0, 0, 0] == approx(-500 / (s + 50), rel=1e-12)
