@@ -12,7 +12,7 @@ from ..elements import planar, spatial
 from ..elements.general import General
 from ..elements.profile import Profile
 from ..elements.section import Section
-from ..elements.sections import Circle, Rectangle
+from ..elements.sections import Circle, HollowRectangle, Rectangle, Rigidity, Tube
 from ..elements.spectral import pieces_of
 from ..errors import BeamTheoryWarning, ModelError, warn
 from ..math.quadrature import gauss
@@ -20,7 +20,12 @@ from ..model.topology import HELD
 from .clamps import THICK, End, elements_at, ends_at, ends_of, is_clamped, leaf_axes, opposite
 from .description import Description, Member
 
-PLAIN = (planar.beam, planar.spectral_beam, planar.leaf_spring, spatial.beam, spatial.spectral_beam)
+PLAIN = (
+    *(planar.beam, planar.spectral_beam, planar.leaf_spring),
+    *(spatial.beam, spatial.warping_beam, spatial.spectral_beam),
+)
+# Thin-walled sections. They have no option ``shear``.
+HOLLOW = (Tube, HollowRectangle)
 # Smallest relative change of a stiffness that causes a warning.
 SHARE = 0.01
 # Beams of one leaf spring are in line up to this angle [rad].
@@ -42,7 +47,7 @@ class _Chain(NamedTuple):
 def warn_of_plain_beams(builder: Description) -> None:
     """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
 
-    Only rectangles and circles with known sizes are checked, also sections that vary along the beam.
+    Only rectangles, circles and tubes with known sizes are checked, also sections that vary along the beam.
 
     Source:
         Shear increases the compliance of a beam with a guided end by the factor 1 + 12 EI/(GAk L^2). If the section
@@ -75,8 +80,11 @@ def warn_of_plain_beams(builder: Description) -> None:
 
 def _remedy(builder: Description, worst: dict[str, Member]) -> str:
     """Sentence on how to include the missing effects; ``worst``: for each effect the beam with the largest change."""
-    sheared = any("shear" in effect for effect in worst)
-    ways = ["shear by shear=True of the section (and of a spectral_beam)"] * sheared
+    ways = []
+    if sheared := [member for effect, member in worst.items() if "shear" in effect]:
+        hollow = any(isinstance(_kind(member), HOLLOW) for member in sheared)
+        of_section = "a Rigidity with shear_y and shear_z" if hollow else "shear=True of the section"
+        ways.append(f"shear by {of_section} (and {'shear=True ' * hollow}of a spectral_beam)")
     if twisted := [member for effect, member in worst.items() if "warping" in effect]:
         # A `warping_length` needs the same section along the whole beam.
         varies = any(member.properties["section"].varies for member in twisted)
@@ -92,9 +100,14 @@ def _remedy(builder: Description, worst: dict[str, Member]) -> str:
 def _may_be_leaf(member: Member) -> bool:
     """Whether a leaf spring takes the section of a beam: a rectangle without breaks."""
     section: Any = member.properties["section"]
-    kind = section._kind() if isinstance(section, Profile) else section
     breaks = isinstance(section, Profile) and section.breaks
-    return isinstance(kind, Rectangle) and not breaks
+    return isinstance(_kind(member), Rectangle) and not breaks
+
+
+def _kind(member: Member) -> Any:
+    """The section of a beam, or a section of the kind that varies along it, with meaningless numbers."""
+    section: Any = member.properties["section"]
+    return section._kind() if isinstance(section, Profile) else section
 
 
 def _left_out(
@@ -111,13 +124,13 @@ def _left_out(
         np.asarray(values).ravel() for values in (segments.spread(nodes), segments.sizes[:, None] * weights)
     )
     sections: list[Any] = [section.at(place, chain.length) for place in (places if section.varies else (0.0,))]
-    if not isinstance(sections[0], Rectangle | Circle) or not is_concrete(sections):
+    if not isinstance(sections[0], Rectangle | Circle | Tube | HollowRectangle) or not is_concrete(sections):
         return {}
     # By NumPy, for which nothing is compiled.
     first, *_ = sections = jax.tree.map(np.asarray, sections)
     counted = [] if section.varies else known.setdefault(id(section), [])
     if not counted:
-        counted += [dataclasses.replace(entry, shear=True).rigidity() for entry in sections]
+        counted += map(_sheared, sections)
     in_space, changes = builder.dimension == 3, {}
     bendings = {"z": ("EIy", "shear_z"), "y": ("EIz", "shear_y")} if in_space else {"z": ("EIy", "shear_z")}
     for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):
@@ -128,7 +141,8 @@ def _left_out(
             away = places - (bends @ places) / bends.sum()
             added = (weights * shear / stiff).sum() / (bends @ away**2) / chain.length**2
             changes[f"shear in bending along local {axis}"] = float(added)
-    if in_space and isinstance(first, Rectangle) and first.warping_length is None and _is_free(member, 1):
+    warps = in_space and member.element.usual != spatial.warping_beam
+    if warps and isinstance(first, Rectangle) and first.warping_length is None and _is_free(member, 1):
         stiff = np.array([float(entry.GIt) for entry in counted])
         neck = int(np.argmin(stiff))
         if sections[neck].width >= STRIP * sections[neck].thickness:
@@ -141,9 +155,29 @@ def _left_out(
     return changes
 
 
+def _sheared(section: Any) -> Rigidity:
+    """Rigidities with shear. Source of a tube: Cowper (1966). The walls along a shear force carry it in a box."""
+    if not isinstance(section, HOLLOW):
+        return dataclasses.replace(section, shear=True).rigidity()
+    rigidity, shear_modulus = section.rigidity(), section.material.shear_modulus()
+    if isinstance(section, Tube):
+        nu, square = section.material.poisson(), (1 - 2 * section.wall / section.diameter) ** 2
+        both = (1 + square) ** 2
+        area = np.pi / 4 * section.diameter**2 * (1 - square)
+        along_y = along_z = area * 6 * (1 + nu) * both / ((7 + 6 * nu) * both + (20 + 12 * nu) * square)
+    else:
+        along_y, along_z = 2 * section.wall_z * section.width, 2 * section.wall_y * section.thickness
+    return dataclasses.replace(
+        rigidity,
+        shear_y=rigidity.EIz / (shear_modulus * along_y),
+        shear_z=rigidity.EIy / (shear_modulus * along_z),
+    )
+
+
 def _is_free(member: Member, field: int) -> bool:
     """Whether a field has a free deformation: elongation, twist, bending along z, y; planar: elongation, bending."""
-    cubic = ((1,), (2,), (3, 4), (5, 6)) if member.element.usual == spatial.beam else ((1,), (2, 3))
+    in_space = member.element.usual in (spatial.beam, spatial.warping_beam)
+    cubic = ((1,), (2,), (3, 4), (5, 6)) if in_space else ((1,), (2, 3))
     numbers = (member.element.fields or cubic)[field]
     return any(member.roles[number - 1] not in HELD for number in numbers)
 

@@ -77,6 +77,34 @@ def test_what_is_held_or_small_is_not_told():
     assert "along local z by 2%" in told(spatial.beam, fm.Circle(0.01, STEEL))
 
 
+def test_a_warping_beam_without_shear():
+    """It counts restrained warping, but not shear."""
+    assert told(spatial.warping_beam, STRIP).startswith("Plain beams neglect effects on a stiffness: shear in bending")
+    assert SHEAR in told(spatial.warping_beam, STRIP, count=2)
+    assert "torsion" not in told(spatial.warping_beam, STRIP)
+    assert told(spatial.warping_beam, fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True)) == ""
+
+
+def test_tubes_and_boxes():
+    """Half of the area of a thin tube, and both webs of a box, carry a shear force."""
+    # I = A r^2/2, k = 2 (1 + nu)/(4 + 3 nu): 12 EI/(GAk L^2) = 6 (4 + 3 nu) (r/L)^2 = 29.4 (9.5/100)^2 = 26.5 %.
+    tube = told(spatial.beam, fm.Tube(0.02, 1e-3, STEEL))
+    assert "along local z by 26%" in tube
+    assert "along local y by 26%" in tube
+    assert "Count shear by a Rigidity with shear_y and shear_z (and shear=True of a spectral_beam)." in tube
+    assert "leaf_spring" not in tube
+    assert told(planar.beam, fm.Tube(2e-3, 1e-4, STEEL), ends=((0, 0), (0.1, 0))) == ""
+    # I = 2/3 t a^3, webs 2 t a: 12 EI/(G 2 t a L^2) = 4 E/G (a/L)^2 = 10.4 (20/100)^2 = 41.6 % for a thin box.
+    box = fm.HollowRectangle(0.02, 0.02, 1e-5, 1e-5, STEEL)
+    assert "along local y by 42%" in told(spatial.beam, box)
+    assert "along local z by 42%" in told(spatial.beam, box)
+    webs = fm.HollowRectangle(0.02, 0.02, 2e-5, 1e-5, STEEL)
+    # Two walls are a quarter of I as webs and three quarters as flanges: EIy 5/4 over 2, and EIz 7/4 over 1.
+    assert "along local z by 26%" in told(spatial.beam, webs)
+    assert "along local y by 73%" in told(spatial.beam, webs)
+    assert told(spatial.beam, fm.Rigidity(EA=1.0, EIy=1.0, EIz=1.0, GIt=1.0, shear_y=1e-4, outline=box)) == ""
+
+
 @pytest.mark.slow
 def test_sections_that_vary():
     """A taper is nearly its mean; at the centre of a notch hinge nothing bends, and its short neck cannot warp."""
