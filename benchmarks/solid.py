@@ -25,8 +25,8 @@ def solids() -> dict:
     return CASES | SHAPES
 
 
-def beams() -> tuple[dict, dict]:
-    """Builders by case and kind of element, and why the cases left out are not compared."""
+def beams() -> dict:
+    """Builders by case and kind of element."""
     import solid_beams
     import solid_shape_beams
 
@@ -38,7 +38,7 @@ def beams() -> tuple[dict, dict]:
         name: {kind: (build, element) for kind, element in solid_beams.KINDS.items()}
         for name, build in solid_beams.CASES.items()
     }
-    return cases | shapes, solid_shape_beams.NOT_YET
+    return cases | shapes
 
 
 def solve(name: str) -> dict:
@@ -61,7 +61,7 @@ def compare(name: str, case: dict) -> dict:
     from record import interleaved
 
     found, run = {}, {}
-    for kind, (build, element) in beams()[0][name].items():
+    for kind, (build, element) in beams()[name].items():
         try:
             ask = build(element)
             begin = time.perf_counter()
@@ -129,7 +129,7 @@ def main() -> None:
 
     fm.enable_x64()
     fm.enable_cache()
-    every, not_yet = solids(), beams()[1]
+    every = solids()
     given = [a for a in sys.argv[1:] if a != "--committed"]
     if unknown := [name for name in given if name not in every]:
         sys.exit(f"There is no case '{unknown[0]}'. There are: {', '.join(every)}.")
@@ -146,11 +146,11 @@ def main() -> None:
         elif name not in cases:
             print(f"{name}: no solid results are there.")
             continue
-        found = {} if name in not_yet else compare(name, cases[name])
+        found = compare(name, cases[name])
         if found:
             compared[name] = found
         else:
-            print(f"{name}: not compared, {not_yet.get(name, 'no element solved it')}.")
+            print(f"{name}: not compared, no element solved it.")
         table(name, cases[name], found)
         sys.stdout.flush()
         # In the order of the cases, after each, so that what took long is kept.

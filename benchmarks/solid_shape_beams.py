@@ -1,6 +1,7 @@
-"""The cases of ``solid_shapes.py`` as mechanisms of flexmb, one element a leaf spring, and those it cannot describe."""
+"""The cases of ``solid_shapes.py`` as mechanisms of flexmb, one element for each straight part."""
 
 from collections.abc import Callable
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -14,10 +15,6 @@ from flexmb.linear.linearize import Linearization
 
 # Elements that are compared in these cases.
 KINDS = ("one leaf_spring",)
-# Cases that no element describes, or no mechanism here: their solid results stand by themselves.
-NOT_YET = {
-    "slot": "no section has a hole, and leaf springs beside a slot are up to 43 % too stiff; flexmb warns of them",
-}
 
 
 def plain(sizes) -> Callable:
@@ -38,7 +35,9 @@ def waist() -> Leaf:
     return Leaf(lambda place: wide + (narrow - wide) * jnp.sin(jnp.pi * place) ** 2)
 
 
-def guided(leaf: Leaf, length: float, strokes, cut: float | None = None, at_rest: bool = False) -> Callable:
+def guided(
+    leaf: Leaf, length: float, strokes, cut: float | None = None, at_rest: bool = False, build: Any = None
+) -> Callable:
     """Strip whose tip is moved along z without turning; its foot is cut at an angle.
 
     Args:
@@ -47,11 +46,14 @@ def guided(leaf: Leaf, length: float, strokes, cut: float | None = None, at_rest
         strokes: Of the tip [m].
         cut: Angle of the cut of the foot [rad].
         at_rest: Whether the stiffnesses at rest are wanted too.
+        build: Adds the elements; one leaf spring if None.
     """
     own = {} if cut is None else {"skew": (cut, 0.0)}
 
-    def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+    def strip(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
         return [b.add(spatial.leaf_spring, first, last, section=leaf.section(), y=ACROSS, **own)]
+
+    whole = build or strip
 
     def ask():
         rest = tip_of(cantilever(whole, leaf, tip=length)[0])() if at_rest else {}
@@ -188,6 +190,28 @@ def in_line(lengths, leaves) -> Callable:
     return ask
 
 
+def with_hole(sizes, rounded: bool) -> Callable:
+    """Builder of a strip with a hole in its middle: a leaf spring on both sides, a spectral beam beside the hole."""
+    (length, _), (long, wide) = sizes
+
+    def whole(b: fm.Builder, leaf: Leaf, first: str, last: str) -> list[str]:
+        nodes = [first, "start", "end", last]
+        for node, side in zip(nodes[1:3], (-1, 1), strict=True):
+            b.node(node, ((length + side * long) / 2, 0, 0))
+        strip, beam = leaf.section(), spatial.spectral_beam(shear=True)
+        beside = fm.sections.with_hole(strip, wide, rounded=rounded)
+        kinds = [(spatial.leaf_spring, strip), (beam, beside), (spatial.leaf_spring, strip)]
+        return [b.add(kind, *nodes[i : i + 2], section=section, y=ACROSS) for i, (kind, section) in enumerate(kinds)]
+
+    return whole
+
+
+def holed(sizes, rounded: bool) -> Callable:
+    """Strip with a hole in its middle."""
+    (length, width), _ = sizes
+    return lambda _: tip_of(cantilever(with_hole(sizes, rounded), Leaf(width), tip=length)[0])
+
+
 def stiffened(thick: float) -> Callable:
     """Strip whose middle part is thicker."""
     width, lengths = shapes.STIFFENED
@@ -210,6 +234,12 @@ CASES: dict[str, Callable] = {
     "steps in width": in_line(
         (shapes.STEPS[0],) * 3, [Leaf(shapes.STEPS[1]), Leaf(shapes.STEPS[2]), Leaf(shapes.STEPS[1])]
     ),
+    "slot": holed(shapes.SLOT, False),
+    "slot at strokes": guided(
+        Leaf(shapes.SLOT[0][1]), shapes.SLOT[0][0], shapes.SLOT_STROKES, build=with_hole(shapes.SLOT, False)
+    ),
+    "slot with round ends": holed(shapes.OBLONG, True),
+    "round hole": holed(shapes.HOLE, True),
     "steps in thickness, 1.75 mm": stiffened(0.00175),
     "steps in thickness, 5 mm": stiffened(0.005),
     "wide thick middle": widened(0.001, shapes.THICKNESS),

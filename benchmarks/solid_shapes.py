@@ -33,8 +33,11 @@ CUT, TENTH, SKEW_STROKES = np.radians(30), (0.008,), (0.005, 0.010)
 # Arc: radius, angle, width, thickness. Arch: span, height, width, thickness.
 ARC, ARC_STROKES = (0.060, np.radians(90), 0.020, 0.0004), {"apart": (0.0045,), "together": (0.0045, 0.009)}
 ARCH, ARCH_STROKES = (0.1, 0.005, 0.010, 0.0005), (0.001, 0.002, 0.003, 0.005)
-# Length of a part, wide and narrow. Of the slot: the whole, then length and width of the slot.
-STEPS, SLOT = (0.030, 0.036, 0.012), ((0.1, 0.030), (0.040, 0.010))
+# Length of a part, wide and narrow.
+STEPS = (0.030, 0.036, 0.012)
+# Strips with a hole in the middle: length and width of the strip, and of the hole. Strokes with the first.
+SLOT, OBLONG, HOLE = ((0.1, 0.030), (0.040, 0.010)), ((0.080, 0.020), (0.030, 0.008)), ((0.060, 0.024), (0.013, 0.013))
+SLOT_STROKES = (0.010, 0.020)
 # Parts in thickness: lengths and thicknesses.
 STIFFENED = (0.018, (0.020, 0.060, 0.020))
 # Parts in width and thickness: widths of the ends and of the middle, lengths.
@@ -255,26 +258,78 @@ def stepped(fine: Fineness, lengths, widths, thickness=THICKNESS, material=MATER
     return at_rest(fine, build, (sum(lengths), 0, 0), material=material)
 
 
-def slotted(fine: Fineness):
-    """Leaf spring with a rectangular slot in its middle."""
-    (length, width), (long, open_) = SLOT
+def rectangular(mesh: Mesh, fine: Fineness, sizes=SLOT) -> None:
+    """Add a strip from x = 0 with a slot in its middle, whose corners are sharp, and name its ends."""
+    (length, width), (long, open_) = sizes
     start, end = (length - long) / 2, (length + long) / 2
     rail = (width - open_) / 2
+    first = fine.first * THICKNESS
+    ys_rail = graded(open_ / 2, width / 2, first, first, fine.most * rail, fine.growth)
+    ys_slot = graded(0, open_ / 2, fine.most * rail, first, fine.most * rail, fine.growth)
+    zs = fine.thick()
+    right = np.concatenate([ys_slot, ys_rail[1:]])
+    whole = np.concatenate([-right[:0:-1], right])
+    foot, _ = mesh.box(fine.along(0, start, rail * 1.5), whole, zs)
+    for ys in (ys_rail, -ys_rail[::-1]):
+        mesh.box(fine.along(start, end, rail), ys, zs)
+    _, tip = mesh.box(fine.along(end, length, rail * 1.5), whole, zs)
+    mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
 
-    def build(mesh, fine):
-        first = fine.first * THICKNESS
-        ys_rail = graded(open_ / 2, width / 2, first, first, fine.most * rail, fine.growth)
-        ys_slot = graded(0, open_ / 2, fine.most * rail, first, fine.most * rail, fine.growth)
-        zs = fine.thick()
-        right = np.concatenate([ys_slot, ys_rail[1:]])
-        whole = np.concatenate([-right[:0:-1], right])
-        foot, _ = mesh.box(fine.along(0, start, rail * 1.5), whole, zs)
-        for ys in (ys_rail, -ys_rail[::-1]):
-            mesh.box(fine.along(start, end, rail), ys, zs)
-        _, tip = mesh.box(fine.along(end, length, rail * 1.5), whole, zs)
-        mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
 
-    return at_rest(fine, build, (length, 0, 0))
+def round_ended(mesh: Mesh, fine: Fineness, sizes) -> None:
+    """Add a strip from x = 0 with a slot in its middle, whose ends are half circles, and name its ends.
+
+    Around each end the bricks lie between the half circle and three sides of a rectangle. Their places along it are 0
+    to 1 on the first side, 1 to 3 on the second, across the strip, and 3 to 4 on the last.
+    """
+    (length, width), (long, open_) = sizes
+    half, radius, straight = width / 2, open_ / 2, (long - open_) / 2
+    rail, first = half - radius, fine.first * THICKNESS
+    outwards = graded(0, 1, first / rail, first / rail, fine.most, fine.growth)
+    side = np.linspace(0, 1, 1 + round(1 / fine.most))
+    corner = graded(0, 1, fine.most, first / half, fine.most, fine.growth)
+    around = np.concatenate([side, 2 - corner[-2::-1], 2 + corner[1:], 4 - side[-2::-1]])
+
+    def place(sign: int) -> Callable:
+        def at(out, along, z):
+            if 1 < along < 3:
+                x, y = half, (along - 2) * half
+            else:
+                x, y = min(along, 4 - along) * half, np.sign(along - 2) * half
+            shrunk = 1 + (radius / np.hypot(x, y) - 1) * (1 - out)
+            return length / 2 + sign * (straight + x * shrunk), sign * y * shrunk, z
+
+        return at
+
+    zs = fine.thick()
+    for sign in (1, -1):
+        mesh.box(outwards, around, zs, place(sign))
+    if straight > 0:
+        xs = np.linspace(length / 2 - straight, length / 2 + straight, 1 + int(np.ceil(2 * straight / (rail / 2))))
+        for ys in (radius + rail * outwards, -(radius + rail * outwards)[::-1]):
+            mesh.box(xs, ys, zs)
+    ys = half * np.concatenate([-corner[:0:-1], corner])
+    foot, _ = mesh.box(fine.along(0, length / 2 - straight - half, width), ys, zs)
+    _, tip = mesh.box(fine.along(length / 2 + straight + half, length, width), ys, zs)
+    mesh.sets["FOOT"], mesh.sets["TIP"] = foot, tip
+
+
+def holed(fine: Fineness, build: Callable, sizes):
+    """Leaf spring with a hole.
+
+    Args:
+        fine: Sizes of elements.
+        build: Adds a strip with a hole.
+        sizes: Length and width of the strip, and of the hole.
+    """
+    return at_rest(fine, lambda mesh, fine: build(mesh, fine, sizes), (sizes[0][0], 0, 0))
+
+
+def slotted_far(fine: Fineness):
+    """Leaf spring with a rectangular slot whose tip is moved along z, its rotations held."""
+    mesh = Mesh()
+    rectangular(mesh, fine)
+    return driven(mesh, (SLOT[0][0], 0.0, 0.0), SLOT_STROKES)
 
 
 def stiffened(fine: Fineness, thick: float, sizes=STIFFENED):
@@ -314,14 +369,19 @@ def widened(fine: Fineness, middle: float, ends: float, sizes=WIDENED):
     return at_rest(fine, build, (sum(lengths), 0, 0))
 
 
+def driven(mesh: Mesh, tip, strokes, axes=("x", "y"), small=SMALL):
+    """Force and stiffnesses of a strip whose tip is moved along z, its rotations held."""
+    body = mesh.make_rigid("TIP", tip)
+    held = [(body[1], d, 0.0) for d in (1, 2, 3)]
+    found, done = about(mesh, body, (body[0], 3), strokes, axes, millimetres, held=held, small=small)
+    return found, done.seconds
+
+
 def guided(fine: Fineness, sizes, strokes, axes=("x", "y"), small=SMALL, place: Callable | None = None):
     """Clamped strip whose tip is moved along z, its rotations held."""
     mesh = Mesh()
     strip(mesh, fine, *sizes, place)
-    body = mesh.make_rigid("TIP", (sizes[0], 0.0, 0.0))
-    held = [(body[1], d, 0.0) for d in (1, 2, 3)]
-    found, done = about(mesh, body, (body[0], 3), strokes, axes, millimetres, held=held, small=small)
-    return found, done.seconds
+    return driven(mesh, (sizes[0], 0.0, 0.0), strokes, axes, small)
 
 
 def folded(rest: Fineness, fine: Fineness, strokes=FOLD_STROKES):
@@ -370,7 +430,10 @@ SHAPES: dict[str, Callable] = {
     "triangle": lambda mesh: tapered(SHARP[mesh], TRIANGLE),
     "waist": lambda mesh: waisted(MESHES[mesh]),
     "steps in width": lambda mesh: stepped(MESHES[mesh], (STEPS[0],) * 3, (STEPS[1], STEPS[2], STEPS[1])),
-    "slot": lambda mesh: slotted(MESHES[mesh]),
+    "slot": lambda mesh: holed(MESHES[mesh], rectangular, SLOT),
+    "slot at strokes": lambda mesh: slotted_far(AT_STROKE[mesh]),
+    "slot with round ends": lambda mesh: holed(MESHES[mesh], round_ended, OBLONG),
+    "round hole": lambda mesh: holed(MESHES[mesh], round_ended, HOLE),
     "steps in thickness, 1.75 mm": lambda mesh: stiffened(MESHES[mesh], 0.00175),
     "steps in thickness, 5 mm": lambda mesh: stiffened(MESHES[mesh], 0.005),
     "wide thick middle": lambda mesh: widened(MESHES[mesh], 0.001, THICKNESS),

@@ -41,6 +41,7 @@ from .description import Description, Key, Member, NamedSignal, turn_about
 from .dofs import check_inputs, complete_model, with_started
 from .ends_in_line import nan_if_not_stiff, warn_of_ends, with_steps
 from .given import name_text, nonempty_arguments, number_list, released_in
+from .holes import check_holes
 from .idle import warn_of_idle
 from .mistaken_units import warn_of_lengths
 from .plain_beams import warn_of_plain_beams
@@ -827,6 +828,7 @@ class Builder(Description):
             warn_of_idle(self)
             warn_of_plain_beams(self)
             warn_of_curved_leaves(self)
+            check_holes(self)
         note_builder(self)
         before = next_carried()
         described = nan_if_not_stiff(with_steps(with_clamps(self, before), self))

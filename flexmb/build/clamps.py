@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arguments import is_concrete
 from ..elements.curves import axes_of_end, curve_length
+from ..elements.holes import is_holed
 from ..elements.leaf import REACHES, flags_and_distances
 from ..elements.section import Rigidity, Section
 from ..elements.spectral_spatial import FIELDS
@@ -300,6 +301,9 @@ def _by(builder: Description, end: End, name: str, other: Member) -> tuple[bool,
     if section is None or all(role in HELD for role in roles):
         constrained = any(role in HELD for role in roles)
         return constrained, constrained
+    if is_holed(section):
+        # The strip goes on beside the hole.
+        return False, False
     leaf, beside = builder.members[end.leaf], end_at(builder, name, end.rotation)
     thick = _is_thick(builder, end, beside)
     # Leaf springs in line share their warping, at any ratio of thicknesses.

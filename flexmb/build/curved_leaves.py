@@ -11,6 +11,7 @@ import numpy as np
 from ..arguments import is_concrete
 from ..elements.bent_strip import curving
 from ..elements.curves import curvature_at
+from ..elements.holes import is_holed
 from ..elements.leaf import leaf_of
 from ..elements.sections import Rectangle
 from ..errors import BeamTheoryWarning, warn
@@ -56,7 +57,8 @@ def warn_of_curved_leaves(builder: Description) -> None:
                 warn(
                     f"Element '{narrow.leaf}' continues '{wide.leaf}' beside its axis, as the sides of a slot do. The"
                     " joint is rigid in flexmb, but the material there deforms. The mechanism may be 35 % too stiff"
-                    " across and 43 % in torsion. Compare it with solid elements.",
+                    " across and 43 % in torsion. Model a slot in the middle of the width by `fm.sections.with_hole`."
+                    " Compare another slot with solid elements.",
                     BeamTheoryWarning,
                 )
                 return
@@ -133,7 +135,8 @@ def _length_in_line(builder: Description, joined: dict[str, list[str]], leaves: 
         while len(others := [other for other in joined[at.rotation] if other != at.leaf]) == 1:
             other = builder.members[others[0]]
             if others[0] not in leaves:
-                length += np.inf if other.element.fields and "clamped" in other.properties else 0.0
+                goes_on = "clamped" in other.properties or is_holed(other.properties.get("section"))
+                length += np.inf if other.element.fields and goes_on else 0.0
                 break
             near = next(end for end in ends_of(others[0], other) if end.rotation == at.rotation)
             before = section_at(builder, builder.members[at.leaf], 0.5)

@@ -1,4 +1,4 @@
-"""Sections that vary along a spectral beam: tapers, reinforced middles, holes, notches."""
+"""Sections that vary along a spectral beam: tapers, reinforced middles, notches."""
 
 import inspect
 from collections.abc import Callable, Sequence
@@ -349,7 +349,7 @@ def taper(first: Section, last: Section) -> Profile:
 
 
 def stepped(sections: Sequence[Section], breaks: Sequence[Scalar]) -> Profile:
-    """Return a section with jumps: a leaf spring with a reinforced middle, or with a hole.
+    """Return a section with jumps, such as a leaf spring with a reinforced middle; :func:`with_hole` models a hole.
 
     Args:
         sections: Section of each piece, from the first end of the beam to the last, of one kind.

@@ -15,6 +15,7 @@ from . import necks, surface
 from .curves import curvature_along as curvature_along
 from .curves import curvature_through as curvature_through
 from .general import General as General
+from .holes import with_hole as with_hole
 from .profile import Profile as Profile
 from .profile import stepped as stepped
 from .profile import taper as taper

@@ -324,7 +324,8 @@ def left_out_of_stress(model: Model) -> list[str]:
     if left_out:
         text = (
             f"The section of element {listed([repr(name) for name in left_out])} is given by its rigidities, without a"
-            " shape, and has no stress. Give its `outline`, or a section such as Rectangle, or use section_resultants."
+            " shape, and has no stress. Give its `outline`, or a section such as Rectangle, or use section_resultants;"
+            " beside a hole, use solid elements."
         )
         if not has_stress(model):
             raise ModelError(text)
