@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arguments import check_number
-from ..errors import ModelError, heard
+from ..errors import ModelError, heard, warn
 from ..linear.linearize import Linearization
 from ..model.model import Model, as_model
 from ..numerical_limits import POSITION_OUTPUT
@@ -89,6 +89,9 @@ def pid(
         ModelError: An input or output is unknown, the output is no position, or the plant has more than one motion.
         ValueError: Numbers are out of range, or the plant is damped more than the wanted poles.
 
+    Warns:
+        FlexmbWarning: At the bandwidth the output follows the modes that are left out more than the lowest mode.
+
     Source:
         THEORY.md 14, eq. (14.43), by comparing coefficients.
     """
@@ -118,6 +121,12 @@ def pid(
             )
     m, d, k = one_mass(_moved(plant[y_index, to]))
     w = 2 * np.pi * bandwidth
+    if abs(plant.D[y_index, to] * complex(k - m * w**2, d * w)) > 1:
+        warn(
+            f"At {bandwidth:g} Hz '{plant.output_labels[y_index]}' follows the modes that this controller leaves out"
+            f" more than the lowest mode, a mass of {m:.4g} (SI units) between input and output. Name an input and"
+            " an output that move with the lowest mode, or choose another bandwidth."
+        )
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:
         raise ValueError(

@@ -92,6 +92,17 @@ def test_plant_of_two_motions_has_no_pid():
         fm.control.pid(control.ss([[0.0, 1.0], [-3.0, -1.0]], [[0], [1.0]], [[0, 1.0]], 0), 5.0)
 
 
+def test_pid_warns_of_a_lowest_mode_that_hardly_moves_with_its_force():
+    """A stage on two crossed springs, 90 and 900 N/m, 0.01 rad from the axes: the force mainly moves the stiff mode."""
+    share = np.sin(0.01) ** 2
+    a = [[0.0, 1.0], [-90.0 / MASS, 0.0]]
+    askew = control.ss(a, [[0.0], [1 / MASS]], [[share, 0.0]], [[(1 - share) / 900.0]])
+    with pytest.warns(fm.FlexmbWarning, match=r"At 20 Hz 'y\[0\]' follows the modes .* a mass of 4000 .*"):
+        fm.control.pid(askew, 20.0)
+    # Along the other axis, to which 0.01 rad hardly matters, no warning is due.
+    fm.control.pid(control.ss(a, [[0.0], [1 / MASS]], [[1 - share, 0.0]], [[share / 900.0]]), 20.0)
+
+
 def test_pid_beside_a_floor_that_moves():
     """What another input moves is no motion of the plant, whose lowest mode is damped across those left out."""
     b = sprung_mass(stiffness=STIFFNESS, damping=DAMPING, mass=MASS)
