@@ -136,12 +136,15 @@ def derived(
     derivatives = jit(_derivatives(function, mode, second_order))
     values, slopes, curvatures, code = derivatives(point)
     result = RESULTS(int(code))
-    if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(np.isfinite(slopes)):
+    subject = f"This affects the sensitivities of {', '.join(functions)}."
+    derivatives_of = [np.reshape(part, (m, -1)) for part in (slopes, curvatures) if part is not None]
+    finite = np.all(np.isfinite(np.concatenate(derivatives_of, axis=1)), axis=1)
+    if result in (RESULTS.successful, RESULTS.unstable_state) and not np.all(finite):
         result = RESULTS.not_finite
+        subject += f" '{rows.labels[int(np.argmin(finite))]}' has no finite derivative at these dimensions."
     if throw and result in NO_DERIVATIVE:
         # `check` below accepts this code, which has values but no derivatives.
         raise AnalysisError(result.name, result.message)
-    subject = f"This affects the sensitivities of {', '.join(functions)}."
     check(int(result), throw, subject)
     if result is RESULTS.unstable_state:
         warn(f"{result.message} {subject}")

@@ -74,6 +74,28 @@ def test_second_order_is_the_closed_form():
     assert found.curvatures[0, 0, 0] == approx(second, rel=1e-7)
 
 
+def test_a_second_derivative_that_is_not_finite_raises():
+    """|p|^1.5 has the slope zero at p = 0, and no second derivative."""
+
+    def place(offset):
+        b = fm.Builder()
+        b.node("ground", (0, 0))
+        b.node("mass", (0.1, offset))
+        b.add(planar.truss, "ground", "mass", name="s", section=fm.Rigidity(EA=9.0))
+        b.fix("ground")
+        b.fix("mass", "y")
+        return b.build()
+
+    def bent(model):
+        return 1 + jnp.abs(model.parameters.reference[3]) ** 1.5
+
+    asked = place, {"bent": bent}, {"offset": 0.0}
+    assert fm.sensitivities(*asked).slopes[0, 0] == 0
+    assert fm.sensitivities(*asked, second_order=True, throw=False).result is fm.RESULTS.not_finite
+    with pytest.raises(fm.AnalysisError, match="'bent' has no finite derivative"):
+        fm.design.tolerances(*asked, {"offset": 1e-5}, second_order=True)
+
+
 @pytest.mark.slow
 def test_second_order_by_several_dimensions_is_the_closed_form():
     """By reverse mode, whose derivatives must know the matrix that was factorised as well as its factors."""
