@@ -132,7 +132,7 @@ def tolerances(
             example near two coinciding frequencies. This check changes one dimension at a time by plus and minus one
             standard deviation, and computes the derivatives there; it covers the twenty dimensions with the largest
             shares. Sixteen random designs check all dimensions together. flexmb also warns if random designs have no
-            answer: samples, or the designs from which the error of the second order is computed.
+            answer: these designs, samples, or the designs from which the error of the second order is computed.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
@@ -269,6 +269,11 @@ def _warn_of_curvature(
             for row, (values, _, _, code) in answers
             if code in ANSWERED
         ]
+        if len(errors) < len(drawn):
+            warn(
+                f"Of {len(drawn)} random designs within the tolerances {len(drawn) - len(errors)} have no answer, which"
+                " no deviation shows. Narrow the tolerances, or set samples=1000 to count such designs."
+            )
         if errors:
             added = np.maximum(added, np.maximum(np.abs(np.mean(errors, axis=0)), np.std(errors, axis=0)))
     deviations = np.sqrt(np.sum(linear**2, axis=1))

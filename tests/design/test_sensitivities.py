@@ -1,5 +1,7 @@
 """Sensitivities against closed forms (E1) and central differences; tolerances against the law of propagation."""
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -74,26 +76,40 @@ def test_second_order_is_the_closed_form():
     assert found.curvatures[0, 0, 0] == approx(second, rel=1e-7)
 
 
+def placed(x, y):
+    """A mass of which only the place is asked."""
+    b = fm.Builder()
+    b.node("ground", (0, 0))
+    b.node("mass", (0.1 + x, y))
+    b.add(planar.truss, "ground", "mass", name="s", section=fm.Rigidity(EA=9.0))
+    b.fix("ground")
+    b.fix("mass", "y")
+    return b.build()
+
+
 def test_a_second_derivative_that_is_not_finite_raises():
     """|p|^1.5 has the slope zero at p = 0, and no second derivative."""
-
-    def place(offset):
-        b = fm.Builder()
-        b.node("ground", (0, 0))
-        b.node("mass", (0.1, offset))
-        b.add(planar.truss, "ground", "mass", name="s", section=fm.Rigidity(EA=9.0))
-        b.fix("ground")
-        b.fix("mass", "y")
-        return b.build()
 
     def bent(model):
         return 1 + jnp.abs(model.parameters.reference[3]) ** 1.5
 
-    asked = place, {"bent": bent}, {"offset": 0.0}
-    assert fm.sensitivities(*asked).slopes[0, 0] == 0
-    assert fm.sensitivities(*asked, second_order=True, throw=False).result is fm.RESULTS.not_finite
+    asked = partial(placed, 0.0), {"bent": bent}, {"y": 0.0}
+    found = fm.sensitivities(*asked, second_order=True, throw=False)
+    assert found.slopes[0, 0] == 0
+    assert found.result is fm.RESULTS.not_finite
     with pytest.raises(fm.AnalysisError, match="'bent' has no finite derivative"):
-        fm.design.tolerances(*asked, {"offset": 1e-5}, second_order=True)
+        fm.design.tolerances(*asked, {"y": 1e-5}, second_order=True)
+
+
+def test_random_designs_without_an_answer_warn():
+    """One in five has none: a corner that one deviation of each dimension alone does not reach."""
+
+    def linear(model):
+        x, y = model.parameters.reference[2:4]
+        return jnp.where(x - 0.1 + y > 1.2e-5, jnp.nan, 1 + x + y)
+
+    with pytest.warns(fm.FlexmbWarning, match=r"Of 16 random designs within the tolerances \d+ have no answer"):
+        fm.design.tolerances(placed, {"a": linear}, {"x": 0.0, "y": 0.0}, {"x": 1e-5, "y": 1e-5})
 
 
 @pytest.mark.slow
