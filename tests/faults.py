@@ -1102,9 +1102,13 @@ FAULTS = [
     ),
     Fault(
         "elements/spatial.py",
-        "bending_z = beams.bending_coefficients(d.EIz",
-        "bending_z = beams.bending_coefficients(d.EIy",
+        "bending_z = beams.bending_damping(d.EIz, d.GAy",
+        "bending_z = beams.bending_damping(d.EIy, d.GAy",
         "elements/test_damping.py",
+    ),
+    Fault("elements/beams.py", "(1 + phi) ** 2)", "(1 + phi))", "elements/test_damping.py -k share"),
+    Fault(
+        "build/idle.py", 'ELASTIC if key == "section" else', '(*ELASTIC, "damping") if True else', "build/test_idle.py"
     ),
     Fault("elements/spatial.py", "[d.EA / l0, d.GIt / l0**3", "[d.EA / l0, d.GIt / l0", "elements/test_damping.py"),
     Fault(

@@ -14,6 +14,7 @@ from jaxtyping import Array, Bool, Float
 from ..arguments import is_concrete
 from ..compilation.compile import jit_beside_options
 from ..elements.element import ELASTIC, Element
+from ..elements.general import General
 from ..elements.sections import Damping, MaterialDamping, Rigidity
 from ..errors import IdleWarning, warn
 from ..model.topology import HELD, Role
@@ -100,7 +101,7 @@ def _warn_of_other_numbers(builder: Description) -> None:
                 continue
             if (element, key) not in used:
                 used[element, key] = _used(member, key)
-            every = used[element, key]
+            every = used[element, key] - _unsheared(member)
             idle, missing = stated - every, every - stated
             if missing and every & stated and 0 < len(free) < len(member.roles):
                 present = frozenset(n for n, value in member.properties.items() if value is not None)
@@ -121,6 +122,15 @@ def _warn_of_other_numbers(builder: Description) -> None:
                 )
 
 
+def _unsheared(member: Member) -> set[str]:
+    """Dampers of shear that a section without shear does not use."""
+    section: Any = member.properties.get("section")
+    if section is None or section.varies or isinstance(section, General) or not is_concrete(section):
+        return set()
+    rigidity = section.rigidity()
+    return {f"GA{axis}" for axis in "yz" if np.asarray(getattr(rigidity, f"shear_{axis}")) == 0}
+
+
 def _matrix(element: Element, key: str, numbers: Mapping[str, Any], arguments: Any, places: list[Any]):
     """Stiffness or damping of an element with other numbers."""
     companion: Any = getattr(element, KINDS[key])
@@ -139,9 +149,11 @@ def _diagonals(
 def _used(member: Member, key: str) -> set[str]:
     """Numbers of a section or of dampers that enter a matrix of an element; none if other functions use them too."""
     element = member.element
+    # Dampers only share between bending and shear by the section.
+    serving = ELASTIC if key == "section" else ("damping", "dissipation")
     takes = [
         companion
-        for companion in (*ELASTIC, "damping", "dissipation")
+        for companion in serving
         if key in (element.arguments(getattr(element, companion), member.properties) or ())
     ]
     if takes != [KINDS[key]]:

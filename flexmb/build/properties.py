@@ -122,8 +122,9 @@ def _check_complete(element: Element, name: str, stated: set[str], completed: di
         if companion is None:
             continue
         parameters = {key: p for key, p in element.wanted(companion).items() if key not in needed}
-        missing = [key for key, p in parameters.items() if p.default is not None and completed[key] is None]
-        present = [key for key in parameters if key in stated]
+        required = [key for key, p in parameters.items() if p.default is not None]
+        missing = [key for key in required if completed[key] is None]
+        present = [key for key in required if key in stated]
         if missing and present:
             raise ModelError(
                 f"Element '{name}' ({element.name}): its {kind} needs {_listed(missing)} too, beside"

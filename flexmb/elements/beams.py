@@ -40,6 +40,20 @@ def bending_coefficients(ei: Scalar, l0: Float[Array, ""], shear: Scalar) -> tup
     return first, first * phi
 
 
+def bending_damping(eid: Scalar, gad: Scalar, l0: Float[Array, ""], shear: Scalar) -> tuple:
+    """Coefficients of :data:`BENDING` in the damping of one bending plane, of which shear takes a share.
+
+    Args:
+        eid, gad: Damping rigidities of bending [N m^2 s] and of shear [N s].
+        shear: EI/(GAk) [m^2].
+
+    Returns the two coefficients, () [N s/m]. Source: THEORY.md 2, eq. (2.72).
+    """
+    phi = shear * 12 / l0**2
+    first = (eid + phi * shear * gad) / (l0**3 * (1 + phi) ** 2)
+    return first, eid / l0**3 - first
+
+
 def combine(coefficients: Sequence[Scalar], matrices: np.ndarray) -> Float[Array, "n n"]:
     """Linear combination of constant matrices."""
     return jnp.tensordot(jnp.stack([jnp.asarray(c, float) for c in coefficients]), matrices, 1)

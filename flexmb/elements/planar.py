@@ -81,9 +81,9 @@ def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "3 3"]:
     return beams.combine([s.EA / l0, *beams.bending_coefficients(s.EIy, l0, s.shear_z)], STIFFNESS)
 
 
-def _beam_damping(*, ref, damping: Damping) -> Float[Array, "3 3"]:
-    l0 = beams.beam_length(ref)
-    return beams.combine([damping.EA / l0, *beams.bending_coefficients(damping.EIy, l0, 0.0)], STIFFNESS)
+def _beam_damping(*, ref, damping: Damping, section: Section | None = None) -> Float[Array, "3 3"]:
+    l0, shear = beams.beam_length(ref), 0.0 if section is None else section.rigidity().shear_z
+    return beams.combine([damping.EA / l0, *beams.bending_damping(damping.EIy, damping.GAz, l0, shear)], STIFFNESS)
 
 
 # Places of the mass per length and of the rotary inertia per length, times l0, among the vectors

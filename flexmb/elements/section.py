@@ -290,7 +290,7 @@ class Damping(Record):
         EIy: Bending about local y [N m^2 s]; the bending of a planar beam.
         EIz: Bending about local z [N m^2 s].
         GIt: Torsion [N m^2 s].
-        GAy: Shear along y, of spectral beams with shear [N s].
+        GAy: Shear along y, of beams with shear [N s].
         GAz: Shear along z; the shear of a planar beam [N s].
     """
 

@@ -27,7 +27,7 @@ from ..numerical_limits import NEGLIGIBLE
 from . import beams, joints, leaf_spatial, spectral_spatial
 from .element import Element
 from .nodes import Point3, Reference, Rotation3, Static, Warping
-from .sections import Damping, Section
+from .sections import Damping, Rigidity, Section
 from .shared_laws import characteristic
 
 
@@ -106,10 +106,10 @@ def _beam_stiffness(*, ref: Reference, section: Section) -> Float[Array, "6 6"]:
     return beams.combine([s.EA / l0, s.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
 
 
-def _beam_damping(*, ref, damping: Damping) -> Float[Array, "6 6"]:
-    d, l0 = damping, beams.beam_length(ref)
-    bending_y = beams.bending_coefficients(d.EIy, l0, 0.0)
-    bending_z = beams.bending_coefficients(d.EIz, l0, 0.0)
+def _beam_damping(*, ref, damping: Damping, section: Section | None = None) -> Float[Array, "6 6"]:
+    d, l0, s = damping, beams.beam_length(ref), Rigidity() if section is None else section.rigidity()
+    bending_y = beams.bending_damping(d.EIy, d.GAz, l0, s.shear_z)
+    bending_z = beams.bending_damping(d.EIz, d.GAy, l0, s.shear_y)
     return beams.combine([d.EA / l0, d.GIt / l0**3, *bending_y, *bending_z], STIFFNESS)
 
 
@@ -239,9 +239,9 @@ def _warping_stiffness(*, ref: Reference, section: Section) -> Float[Array, "8 8
     return jnp.pad(plain, (0, 2)) + beams.combine([twist / l0**2, coupling / l0, *warping], TORSION)
 
 
-def _warping_damping(*, ref, damping: Damping) -> Float[Array, "8 8"]:
+def _warping_damping(*, ref, damping: Damping, section: Section | None = None) -> Float[Array, "8 8"]:
     """Damping of ``spatial.beam``: warping has no damping."""
-    return jnp.pad(_beam_damping(ref=ref, damping=damping), (0, 2))
+    return jnp.pad(_beam_damping(ref=ref, damping=damping, section=section), (0, 2))
 
 
 def _warping_inertia(*nodes: Array, ref, section, y=None):

@@ -50,6 +50,10 @@ def test_dampers_that_an_element_does_not_use_are_told():
         match=r"Damping of element 'part' \(beam\): without EIy, nothing damps .* It does not use GIt\.",
     ):
         build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0, GIt=1.0))
+    with pytest.warns(fm.FlexmbWarning, match=r"without EIy, nothing damps .* It does not use GAz\."):
+        build(planar.beam, fm.Rigidity(EA=1.0, EIy=1.0), fm.Damping(EA=1.0, GAz=1.0))
+    with pytest.warns(fm.FlexmbWarning, match=r"Section of .* without EIy, nothing resists .* It does not use GIt\."):
+        build(planar.beam, fm.Rigidity(EA=1.0, GIt=1.0), fm.Damping(EA=1.0, EIy=1.0))
 
 
 @pytest.mark.parametrize(

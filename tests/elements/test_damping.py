@@ -7,7 +7,7 @@ from cases.tolerances import approx
 import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.mechanics.inertia import mass_matrix
-from flexmb.mechanics.stress_resultants import element_damping
+from flexmb.mechanics.stress_resultants import element_damping, element_stiffness
 
 LENGTH = 0.7
 EA, GIT, EIY, EIZ, GAY, GAZ = 2.0, 3.0, 5.0, 7.0, 11.0, 13.0
@@ -115,6 +115,28 @@ def test_a_spectral_beam_that_turns_has_the_energy_of_a_rigid_one(dimension):
         found = [energy(axis) for axis in range(3)]
         expected = 0.5 * rate**2 * np.array([jx * LENGTH, arm + jy * LENGTH, arm + jz * LENGTH])
         np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("element", "dimension"), [(planar.beam, 2), (spatial.beam, 3)])
+def test_shear_has_its_share_of_the_damping(element, dimension):
+    """Damping rigidities of one time constant damp a beam with shear as its stiffness does, and as the material."""
+    material = fm.Material(E=2.0, G=0.8, rho=3.0)
+    section = fm.Rectangle(0.3, 0.2, material, shear=True)
+    damping = fm.sections.damping_from_ratio(section, LENGTH, 0.5, frequency=1.0)
+    model = beam_between(element, dimension, section=section, damping=damping)
+    matrices = [np.asarray(one(model.topology, model.parameters)) for one in (element_damping, element_stiffness)]
+    np.testing.assert_allclose(matrices[0], 0.5 / np.pi * matrices[1], rtol=1e-12, atol=1e-15)
+    # Bending and shear in series, each with its own share of a deflection with opposite moments at its ends.
+    bent, flexible = 5.0, 0.25
+    numbers = fm.Rigidity(EA=1.0, GIt=1.0, EIy=2.0, EIz=2.0, shear_y=flexible, shear_z=flexible)
+    model = beam_between(element, dimension, section=numbers, damping=fm.Damping(EIy=bent, GAz=GAZ))
+    matrix = np.asarray(element_damping(model.topology, model.parameters))
+    first = [(entry.of, entry.component) for entry in model.labels.e].index(("beam", 2 if dimension == 2 else 3))
+    bending, shearing = 6 * 2.0 / LENGTH**3, 2.0 / flexible / (2 * LENGTH)
+    share = shearing / (bending + shearing)
+    expected = share**2 * bending * bent / 2.0 + (1 - share) ** 2 * shearing * GAZ / (2.0 / flexible)
+    way = np.array([1.0, -1.0]) / np.sqrt(2)
+    assert way @ matrix[first : first + 2, first : first + 2] @ way == approx(expected, rel=1e-12, abs=0)
 
 
 def test_damping_of_a_material_reaches_every_strain():
