@@ -21,7 +21,7 @@ from ..motion.protocol import MotionState
 from ..motion.reduced_form import reduced_form
 from ..numerical_limits import DEPENDENT_FOUND
 from ..results import RESULTS
-from ..statics.configuration import configuration
+from ..statics.configuration import start_of
 
 if TYPE_CHECKING:
     import control
@@ -82,7 +82,7 @@ def freedoms_in_memory(model: Model) -> Freedoms:
 
 def memory_at_start(model: Model) -> np.ndarray:
     """Coordinates and deformations at the builder's start, (n_x + n_e,)."""
-    start = configuration(model)
+    start = start_of(model)
     return np.concatenate([start.x, start.e])
 
 

@@ -23,7 +23,7 @@ from ..model.model import Model, as_model
 from ..numerical_limits import ENERGY_OF_MOTION, ENERGY_ROUND_OFF, SOON_AFTER_START
 from ..results import RESULTS, check, collect, or_nan
 from ..statics.coarse import warn_of_coarse, warn_of_needless_strain, warn_of_stressed_start
-from ..statics.configuration import Configuration, configuration
+from ..statics.configuration import Configuration, start_of
 from ..statics.equilibrium import Equilibrium
 from .balance import at_start
 from .controlled_form import Feedback
@@ -462,7 +462,7 @@ def _initial(model: Model, initial: Any):
             )
         if model.parameters.start is None and _is_zero(loads.x) and _is_zero(loads.e) and loads.temperature is None:
             return Start(model.parameters.reference, as_floats(np.zeros(model.topology.n_x)))
-        initial = configuration(model)
+        initial = start_of(model)
         if model.parameters.start is not None and is_concrete((model, initial)):
             remedy = (
                 "Begin from an equilibrium: initial=fm.equilibrium(..) of the model with b.prescribe(..) in place of"

@@ -14,7 +14,7 @@ from ..display import Result, Summary, largest, unit_of_rate
 from ..math.derivative import DIFFERENTIATED
 from ..math.indices import put
 from ..mechanics.deformation import Transfer, correction, deformation_jacobian, transfer, zero_strain
-from ..mechanics.loads import LoadFactors
+from ..mechanics.loads import LoadFactors, warn_of_increment
 from ..model.by_name import ByName
 from ..model.model import Labels, Model, as_determined
 from ..model.topology import Parameters, Topology, coordinate_scales
@@ -197,9 +197,22 @@ def configuration(
         AnalysisError: singular_configuration, also if position or velocity depends on round-off near a dead point; or
             out_of_reach.
 
+    Warns:
+        FlexmbWarning: Motions are prescribed, or temperatures given, with ``increment=True``: they are left out.
+
     Source:
         THEORY.md 4, eq. (4.2): Newton's method on D(x) = e, in steps.
     """
+    more = as_determined(model, "configuration").parameters.increment
+    if more is not None and any(moves is not None for moves in (more.x, more.e, more.temperature)):
+        warn_of_increment(model, "configuration")
+    return start_of(model, q, qd, throw=throw)
+
+
+def start_of(
+    model: Model, q: Float[Array, "n_q"] | None = None, qd: Float[Array, "n_q"] | None = None, *, throw: bool = True
+) -> Configuration:
+    """:func:`configuration`, without incremental loads and without a warning of them."""
     start = as_determined(model, "configuration").parameters.start
     zero = np.zeros(model.topology.n_q)
     defaults = (zero, zero) if start is None else start

@@ -67,6 +67,25 @@ def test_short_flexures_of_a_long_chain_are_no_dead_point():
     assert found.at("n10")[1] == approx(np.sum(chords), rel=1e-3)
 
 
+def test_prescribed_increments_are_left_out_with_a_warning():
+    """A crank that an incremental load turns by 0.3 rad stays where it was placed; a force moves nothing here."""
+    b = fm.Builder()
+    b.node("pivot", (0, 0))
+    b.node("end", (0.1, 0))
+    b.add(planar.rigid_beam, "pivot", "end", name="crank")
+    b.fix("pivot", "x", "y")
+    b.force("end", (0.0, 1.0), increment=True)
+    b.prescribe("pivot", "phi", 0.3)
+    here = np.asarray(fm.configuration(b.build()).position("end"))
+    np.testing.assert_allclose(here, [0.1 * np.cos(0.3), 0.1 * np.sin(0.3)], rtol=1e-12)
+    b.prescribe("pivot", "phi", 0.3, increment=True)
+    b.prescribe("pivot", "phi", 0.0)
+    with pytest.warns(
+        fm.FlexmbWarning, match=r"fm\.configuration leaves out .* Build them without"
+    ):
+        fm.configuration(b.build())
+
+
 @pytest.mark.parametrize("away", [0.4, 1e-3, 1e-6, 1e-8])
 def test_near_a_dead_point(away):
     """y = sqrt(1 - x^2): of the root of what is left round-off remains, and of the velocity its share of y."""
