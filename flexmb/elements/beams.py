@@ -47,7 +47,7 @@ def bending_damping(eid: Scalar, gad: Scalar, l0: Float[Array, ""], shear: Scala
         eid, gad: Damping rigidities of bending [N m^2 s] and of shear [N s].
         shear: EI/(GAk) [m^2].
 
-    Returns the two coefficients, () [N s/m]. Source: THEORY.md 2, eq. (2.72).
+    Returns the two coefficients, () [N s/m]. Source: THEORY.md 2, eq. (2.76).
     """
     phi = shear * 12 / l0**2
     first = (eid + phi * shear * gad) / (l0**3 * (1 + phi) ** 2)
