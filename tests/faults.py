@@ -2648,6 +2648,13 @@ FAULTS = [
     ),
     Fault("build/curved_leaves.py", "or is_fold(builder, at, near)", "", "elements/test_leaf_sizes.py -k short_leg"),
     Fault("build/curved_leaves.py", "wide < NARROWEST", "wide < 0", "elements/test_leaf_sizes.py -k not_compared"),
+    Fault("build/holes.py", "near < NEAREST", "near < 0", "elements/test_holes.py -k out_of_range"),
+    Fault(
+        "build/clamps.py", "if is_holed(section):", "if False:", "elements/test_holes.py -k mechanism_with", slow=True
+    ),
+    Fault("elements/holes.py", "long + missing * my", "long + my", "elements/test_holes.py -k compliance_of"),
+    Fault("elements/holes.py", "jnp.broadcast_arrays(*", "list(", "elements/test_holes.py -k stacked"),
+    Fault("elements/holes.py", "(1 - 0.4 * IN_MIDDLE)", "1", "elements/test_holes.py -k positive"),
     Fault("build/ends_in_line.py", "0) & ~rigid", "0) & (rigid < 0)", "elements/test_leaf_ends.py -k without_a_rigid"),
     Fault("build/plain_beams.py", "(bends @ places) / bends.sum()", "0.0", "build/test_plain_beams.py"),
     Fault("build/plain_beams.py", "2 * section.wall_y * ", "section.wall_y * ", "build/test_plain_beams.py -k tubes"),

@@ -129,12 +129,11 @@ class Holed(Section):
         return share * (1 - ends + np.pi / 4 * ends), share**3 * (1 - ends + 3 * np.pi / 16 * ends)
 
 
-def _added(share: Any, ratio: Any, nu: Any, rounded: bool) -> Float[Array, "6"]:
+def _added(share: Any, ratio: Any, nu: Any, rounded: bool) -> Float[Array, "6 *n"]:
     """Additional lengths over the width of the strip, by its width and length over the hole's. Source: eq. (2.74)."""
-    powers = jnp.stack(
-        [jnp.asarray(share, float) ** i * jnp.asarray(ratio, float) ** j for j in range(3) for i in range(3)]
-    )
-    return jnp.asarray(ROUND if rounded else SHARP) @ jnp.append(powers, share * (nu - 0.3))
+    share, ratio, nu = jnp.broadcast_arrays(*(jnp.asarray(number, float) for number in (share, ratio, nu)))
+    powers = [ratio**k * share**j for k in range(3) for j in range(3)]
+    return jnp.tensordot(ROUND if rounded else SHARP, jnp.stack([*powers, share * (nu - 0.3)]), 1)
 
 
 def with_hole(section: Section, width: Scalar, *, rounded: bool = True) -> Profile:

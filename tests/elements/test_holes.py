@@ -119,6 +119,32 @@ def test_a_hole_has_derivatives():
     np.testing.assert_allclose(forward * sizes, differences * sizes, rtol=1e-8, atol=1e-8)
 
 
+def test_stacked_sections_have_stacked_rigidities():
+    def section(width, length):
+        return Holed(STRIP, width, length, 0.2).rigidity()
+
+    sizes = jnp.array([0.01, 0.015]), jnp.array([0.04, 0.03])
+    for found, wanted in zip(*(jax.tree.leaves(f(*sizes)) for f in (section, jax.vmap(section))), strict=True):
+        np.testing.assert_allclose(found * jnp.ones(2), wanted, rtol=1e-14)
+
+
+@pytest.mark.slow
+def test_a_mechanism_with_a_hole_has_derivatives():
+    def soft(sizes, **options):
+        hole, start, thickness = sizes
+        places = (0.0, start, 0.1 - start, 0.1)
+        model = holed(fm.Rectangle(0.03, thickness, STEEL), hole, places, plane=True).build(**options)
+        return fm.compliance(model, "tip")[1, 1]
+
+    sizes = jnp.array([0.01, 0.03, 0.5e-3])
+    options = {"dofs": holed(plane=True).build().q_labels}
+    found = jax.grad(soft)(sizes, **options) * sizes
+    steps = 1e-4 * jnp.diag(sizes)
+    change = jnp.stack([soft(sizes + step, **options) - soft(sizes - step, **options) for step in steps]) / 2e-4
+    # The square of the step, and round-off over the step.
+    np.testing.assert_allclose(found, change, rtol=1e-6, atol=1e-6 * soft(sizes))
+
+
 def test_mass_beside_a_hole_is_the_mass_of_the_rest():
     for rounded, area in ((True, 0.04 * 0.01 - (4 - np.pi) / 4 * 0.01**2), (False, 0.04 * 0.01)):
         mass = fm.sections.with_hole(STRIP, 0.01, rounded=rounded).at(0.5, 0.04).rigidity().mass * 0.04
