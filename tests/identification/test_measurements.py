@@ -1,5 +1,6 @@
 """Measured modes paired by shape, measured responses from arrays and files."""
 
+import diffrax
 import numpy as np
 import pytest
 
@@ -120,6 +121,50 @@ def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
         # Other responses would be taken for logarithms of ratios.
         with pytest.raises(ValueError, match="'response' is logarithmic, so that its values are no responses"):
             found.again(np.concatenate([noisy.real, noisy.imag])[None])
+
+
+@pytest.mark.slow
+def test_a_time_history_gives_stiffness_and_damping():
+    truth, force, times = {"stiffness": 200.0, "damping": 1.0}, 10.0, np.linspace(0.0, 3.0, 40)
+    decay = truth["damping"] / (2 * MASS)
+    rate = np.sqrt(truth["stiffness"] / MASS - decay**2)
+    swing = np.exp(-decay * times) * (np.cos(rate * times) + decay / rate * np.sin(rate * times))
+    noisy = 1 + force / truth["stiffness"] * (1 - swing) + 1e-4 * np.random.default_rng(0).standard_normal(40)
+
+    def history(model):
+        # A fit differentiates forward.
+        motion = fm.simulate(
+            model, times, loads={"left.x": lambda time: force + 0 * time}, adjoint=diffrax.ForwardMode()
+        )
+        return motion.position("left", "x")
+
+    data = fm.measured(history, noisy, 1e-4, over=times, label="time [s]")
+    start, bounds = {"stiffness": 160.0, "damping": 0.8}, {"stiffness": (20, 2000), "damping": (0.01, 10)}
+    found = fm.fit(lambda stiffness, damping: damped_carts(stiffness, 1, 1, damping), data, start, bounds)
+    assert found.result is fm.RESULTS.successful
+    for name, value in truth.items():
+        # Four deviations of a normal distribution: missed once in 16 000.
+        assert abs(found.parameters[name] - value) < 4 * found.deviation[name]
+        assert found.deviation[name] < 0.01 * value
+
+
+def test_a_displacement_gives_a_temperature():
+    def rod(warming):
+        steel = fm.Material(E=210e9, G=80e9, rho=7850, alpha=12e-6)
+        b = fm.Builder()
+        b.node("wall", (0, 0))
+        b.node("end", (1, 0))
+        b.add(planar.truss, "wall", "end", name="rod", section=fm.Rectangle(0.01, 0.01, steel))
+        b.fix("wall")
+        b.fix("end", "y")
+        b.temperature("rod", warming)
+        b.dof("end", "x")
+        return b.build()
+
+    found = fm.fit(rod, {"displacement end.x": (6e-4, 6e-6)}, {"warming": 20.0}, {"warming": (-100.0, 200.0)})
+    # Displacement over length and coefficient of expansion. The elongation relates to the undeformed length.
+    assert found.parameters["warming"] == pytest.approx(50.0, rel=1e-6)
+    assert found.deviation["warming"] == pytest.approx(0.5, rel=1e-6)
 
 
 @pytest.mark.filterwarnings("ignore:The model does not fit the data:flexmb.FlexmbWarning")
