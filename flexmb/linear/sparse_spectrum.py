@@ -52,8 +52,9 @@ def explained_failures(try_this: str = "Ask for fewer") -> Iterator[None]:
     except scipy.sparse.linalg.ArpackError as fault:
         raise AnalysisError(
             RESULTS.not_converged.name,
-            f"Eigenvalues were not found by sparse factors: {fault} {try_this}, or give sparse=False and a model with"
-            " degrees of freedom.",
+            "Eigenvalues were not found by sparse factors, since iterations did not converge. Stiffnesses or masses may"
+            f" be far apart, as of very short elements. {try_this}, or give sparse=False and a model with degrees of"
+            f" freedom. ({fault})",
         ) from None
 
 
@@ -123,7 +124,7 @@ class Constrained:
         return values[chosen], basis @ (roots @ vectors[:, chosen])
 
     def searched(
-        self, matrix: Any, count: int, known: Any, start: np.ndarray, try_this: str = "Ask for fewer", **how: Any
+        self, matrix: Any, count: int, known: Any, start: np.ndarray, try_this: str | None = None, **how: Any
     ) -> tuple[np.ndarray, np.ndarray]:
         """Eigenvalues of A v = m K v under constraints, with v^T K v = 1, by ARPACK in the inner product of K.
 
@@ -131,7 +132,7 @@ class Constrained:
             matrix: Sparse symmetric A; K is positive definite under the constraints.
             known: Known eigenvalues (k,) and motions (n, k), or None; ``count`` others are sought.
             start: Any x; iterations start from the motion under the forces A x.
-            try_this: Advice of the error if ARPACK fails.
+            try_this: Advice of the error if ARPACK fails, by default to ask for fewer if more than one is sought.
             how: Options of :func:`scipy.sparse.linalg.eigsh`.
         """
         import scipy.sparse.linalg
@@ -149,7 +150,7 @@ class Constrained:
         operator = linalg.LinearOperator(matrix.shape, matvec=beside, dtype=float)
         inverse = linalg.LinearOperator(matrix.shape, matvec=lambda force: self.moved(np.ravel(force)), dtype=float)
         first = self.moved(matrix @ start)
-        with explained_failures(try_this):
+        with explained_failures(try_this or ("Ask for fewer" if count > 1 else "Ask for more")):
             return linalg.eigsh(operator, k=count, M=self.stiffness, Minv=inverse, v0=first, **how)
 
     def largest(

@@ -37,3 +37,13 @@ def test_motions_that_constraints_leave_and_their_values():
     np.testing.assert_allclose(values, exact[np.argsort(-np.abs(exact))][:3], rtol=1e-10)
     np.testing.assert_allclose(rows @ motions, 0.0, atol=1e-10)
     np.testing.assert_allclose(motions.T @ stiffness @ motions, np.eye(3), atol=1e-10)
+
+
+@pytest.mark.parametrize(("count", "advice"), [(1, "Ask for more"), (3, "Ask for fewer")])
+def test_a_search_that_does_not_converge_says_why_and_what_to_try(count, advice):
+    stiffness = scipy.sparse.diags_array(np.linspace(1.0, 2.0, 60)).tocsc()
+    at = Constrained(stiffness, 60, SparseFactors(stiffness))
+    mass = scipy.sparse.eye_array(60).tocsc()
+    with pytest.raises(fm.AnalysisError, match=rf"did not converge. .* {advice}, or give sparse=False") as fault:
+        at.searched(mass, count, None, np.ones(60), which="LA", ncv=count + 2, maxiter=1, tol=1e-14)
+    assert fault.value.code == "not_converged"
