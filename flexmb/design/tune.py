@@ -89,7 +89,8 @@ def tune(
             dimensions. ``reason`` names missed targets. With `minimize` or `maximize`, the objective has two terms: the
             named answer divided by its value at the start, and half the sum of the squares. For a curve, such as forces
             over a stroke from ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its
-            largest value.
+            largest value. For a value of zero, also a limit or an equality, they are relative to the answer at the
+            start, or if this is zero too, to its change across the bounds.
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
@@ -203,15 +204,13 @@ def _best_combination(question: _Question, build: Build, options: Options) -> Tu
     dependence, reference = [], None
     for values, labels in combinations(options):
         try:
-            tuned, ignored, start_answers = _searched(
-                question, functools.partial(build, **values), reference, alone=False
-            )
+            tuned, ignored, sizes = _searched(question, functools.partial(build, **values), reference, alone=False)
         except (*REFUSED, _StartError) as fault:
             faults.append(fault)
             why = fault.result if isinstance(fault, _StartError) else RESULTS.impossible_design
             tried.append(Combination(values, labels, None, why, printable(first_line(fault))))
             continue
-        reference = start_answers if reference is None else reference
+        reference = sizes if reference is None else reference
         dependence.append(ignored)
         tried.append(Combination(values, labels, tuned, tuned.result, tuned.reason))
     if not dependence:
@@ -278,7 +277,7 @@ class _Kernel:
 def _searched(
     question: _Question, build: Build, reference: np.ndarray | None = None, *, alone: bool = True
 ) -> tuple[Tuned, np.ndarray, np.ndarray]:
-    """Return the best design of all starts, whether each dimension has no effect, and the answers at the start."""
+    """Return the best design of all starts, whether each dimension has no effect, and the sizes of the answers."""
     q = question
     kernel, of_answers = _kernel_of(q, build)
     at_start = kernel(kernel.start)
@@ -286,7 +285,10 @@ def _searched(
     _check_start(of_answers, at_start, note)
     if reference is not None and reference.shape != at_start[0].shape:
         raise ValueError("Answers have different shapes in different combinations of choices. Make them the same.")
-    problem = make_problem(of_answers, at_start[0] if reference is None else reference, margin=q.tolerance, **q.wanted)
+    # An answer that is zero at the start has its change across the bounds as scale: one metre could be far too much.
+    own = np.where(at_start[0] != 0, at_start[0], np.max(np.abs(at_start[1]), axis=1, initial=0.0))
+    sizes = own if reference is None else reference
+    problem = make_problem(of_answers, sizes, margin=q.tolerance, **q.wanted)
     ignored = _ignored(problem, kernel, at_start[1], q.seed)
     if alone:
         _refuse_ignored(q.scaling.layout.labels, ignored, _flat_yield(of_answers, at_start, kernel.asked))
@@ -296,7 +298,7 @@ def _searched(
     tuned = _tuned_of(q, best, runs, problem, of_answers, at_start[0])
     _tell(kernel, best)
     curves = {name: target for name, target in q.wanted["targets"].items() if isinstance(target, Curve)}
-    return dataclasses.replace(tuned, curves=curves), ignored, at_start[0]
+    return dataclasses.replace(tuned, curves=curves), ignored, sizes
 
 
 def _kernel_of(q: _Question, build: Build) -> tuple[_Kernel, Layout]:

@@ -589,3 +589,35 @@ def test_what_is_said_of_a_long_curve_is_short():
         assert figure.bbox.contains(box.x0, box.y0)
         assert figure.bbox.contains(box.x1, box.y1)
     plt.close(figure)
+
+
+@pytest.mark.slow
+def test_zero_at_a_start_of_zero_is_relative_to_the_bounds():
+    """Two places within 10 micrometres. Relative to one metre, they would always be equal."""
+
+    def build(p, q):
+        b = fm.Builder()
+        for name, x in {"ground": 0.0, "left": p, "right": q}.items():
+            b.node(name, (x, float(name != "ground")))
+            b.fix(name, "y")
+        b.node("mass", (1.0, 0.0))
+        b.add(planar.truss, "ground", "mass", name="s", section=fm.Rigidity(EA=9.0))
+        b.fix("mass")
+        return b.build()
+
+    def places(model):
+        return jnp.stack([model.parameters.reference[model.labels.coordinates(node)[0]] for node in ("left", "right")])
+
+    answers = {
+        "apart": lambda model: places(model)[0] - places(model)[1],
+        "far": lambda model: jnp.sum((1e6 * places(model) - jnp.array([3.0, -1.0])) ** 2),
+    }
+    start, bounds = {"p": 0.0, "q": 0.0}, {"p": (-1e-5, 1e-5), "q": (-1e-5, 1e-5)}
+    found = fm.tune(build, answers, start, bounds, minimize="far", equal={"apart": 0.0})
+    # Half of both wanted places, to the tolerance.
+    assert found.dimensions["p"] == approx(1e-6, rel=1e-4)
+    assert abs(found.answers["apart"]) < 2e-6 * 2e-5
+    # One target against the other: 2.6 micrometres is no target of zero.
+    found = fm.tune(build, answers, start, bounds, targets={"apart": 0.0, "far": 1.0}, throw=False)
+    assert found.result is fm.RESULTS.local_minimum
+    assert "apart misses by 12." in found.reason
