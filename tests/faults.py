@@ -2885,9 +2885,12 @@ FAULTS = [
     Fault("design/problem.py", "scale = largest or abs(v)", "scale = abs(v)", "design/test_tune.py -k force_curve"),
     Fault(
         "design/tune.py",
-        "if reference is None else reference, margin",
-        ", margin",
+        "own if reference is None else reference",
+        "own",
         "design/test_tune.py -k combination",
+    ),
+    Fault(
+        "design/tune.py", "at_start[0] != 0, at_start[0]", "True, at_start[0]", "design/test_tune.py -k start_of_zero"
     ),
     Fault("design/tune.py", "best = min(tried, key=rank)", "best = tried[-1]", "design/test_tune.py -k choices"),
     Fault(

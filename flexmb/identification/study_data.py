@@ -202,16 +202,27 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
 
 
 def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
-    """Refuse a response of accelerations for an output that is a position, and the like."""
+    """Refuse a response of accelerations for an output that is a position, one against an axis, and the like."""
+    reversed_signals = []
     for kind, port, signals in zip(
         ("output", "input"), entry["ports"], (model.labels.outputs, model.labels.inputs), strict=True
     ):
-        quantity = signals[place_of_name(kind, [signal.name for signal in signals], entry.get(kind))].quantity
+        signal = signals[place_of_name(kind, [signal.name for signal in signals], entry.get(kind))]
+        quantity = signal.quantity
         if port.quantity in TYPES and quantity in TYPES and TYPES[port.quantity] != TYPES[quantity]:
             raise ValueError(
                 f"Measurement '{name}' has the {port.quantity} of an {kind}, but the {kind} of the model is of the"
                 f" quantity {quantity}. Name an {kind} of the model that is measured."
             )
+        # A sensor or an actuator may have the sign of the file.
+        if port.axis.startswith("-") and not signal.parts:
+            reversed_signals.append((kind, port.axis, "sensor" if kind == "output" else "actuator"))
+    if len(reversed_signals) == 1:
+        ((kind, axis, combined),) = reversed_signals
+        raise ValueError(
+            f"Measurement '{name}' has an {kind} along {axis}, but an {kind} of the model is along the positive axis."
+            f" Change the sign of the response, or name a {combined} with the weight -1 in the model."
+        )
 
 
 def _fill(key: str, folder: Path, entry: dict[str, Any], columns: tuple[str, ...], *, from_universal: bool) -> None:

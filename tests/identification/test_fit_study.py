@@ -1,5 +1,6 @@
 """Fits in a file: the same numbers as in Python, three sources of data, and one line for each fault."""
 
+import contextlib
 import json
 from typing import Any
 
@@ -209,6 +210,26 @@ def test_the_quantity_of_a_universal_file_is_that_of_the_model(study, tmp_path):
     result = call("fit", study)
     assert result.exit_code == 2
     assert "has the acceleration of an output, but the output of the model is of the quantity position" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("rsp_dir", "ref_dir", "kind"), [(-1, 1, "output along"), (1, -1, "input along"), (-1, -1, "")]
+)
+def test_a_universal_file_against_an_axis_is_refused(study, tmp_path, rsp_dir, ref_dir, kind):
+    """The sign of the response would be wrong; two signs cancel."""
+    pyuff = pytest.importorskip("pyuff")
+    hertz = np.linspace(5.0, 15.0, 11)
+    one = pyuff.prepare_58(
+        func_type=4, rsp_node=3, rsp_dir=rsp_dir, ref_node=3, ref_dir=ref_dir, data=hertz + 1j, x=hertz, id1="hammer",
+        rsp_ent_name="NONE", ref_ent_name="NONE", abscissa_spacing=1, binary=0, ordinate_spec_data_type=8,
+        abscissa_spec_data_type=18, orddenom_spec_data_type=13,
+    )  # fmt: skip
+    pyuff.UFF(str(tmp_path / "turned.uff")).write_sets([one], "overwrite")
+    study.write_text(of_data("[data.frf]\nresponse = true\nfile = 'turned.uff'\ndeviation = 0.01\n"))
+    (frf,) = read_fit_study(study).data
+    refused = pytest.raises(ValueError, match=f"{kind} -x") if kind else contextlib.nullcontext()
+    with refused:
+        frf.check(guide(0.5e-3, 0.1))
 
 
 @pytest.mark.slow
