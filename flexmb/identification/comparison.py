@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ..arguments import check_number
+from ..arguments import as_reals, check_number
 from ..display import Result, Summary, short
 from ..errors import ModelError, printable
 from ..model.model import Model
@@ -108,7 +108,7 @@ def compare(
     Raises:
         ModelError: An argument is no model.
         ValueError: A measurement has no deviation. A parameter has no value. The number of values or their unit is
-            wrong. An answer is not finite. The level is not between 0.5 and 1.
+            wrong. An answer is complex or not finite. The level is not between 0.5 and 1.
 
     Source:
         Likelihood ratio of two simple hypotheses with equal covariance (Neyman, Pearson 1933). It selects the true
@@ -127,10 +127,11 @@ def compare(
         for name in item.parameters:
             if name not in (parameters or {}):
                 raise ValueError(f"Measurement '{item.name}' takes the parameter '{printable(name)}': give its value.")
-    computed = [
-        {item.name: np.asarray(predicted(item, model, parameters or {}), float) for item in items}
-        for model in (model_a, model_b)
-    ]
+
+    def answer(item: Measured, model: Model) -> np.ndarray:
+        return np.asarray(as_reals(f"Measurement '{item.name}'", predicted(item, model, parameters or {})))
+
+    computed = [{item.name: answer(item, model) for item in items} for model in (model_a, model_b)]
     for answers, model in zip(computed, (model_a, model_b), strict=True):
         for item in items:
             if not np.all(np.isfinite(answers[item.name])):

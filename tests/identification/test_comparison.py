@@ -79,6 +79,9 @@ def test_wrong_questions_are_named():
         fm.compare(cart(100.0), cart(101.0), fm.measured("mass", 4000.0, 1.0))
     with pytest.raises(ValueError, match="level"):
         fm.compare(cart(100.0), cart(101.0), {"mass": 0.1}, level=1.5)
+    turned = fm.measured(lambda model: jnp.array([1.0 + 2.0j]), 1.0, 0.1, name="response")
+    with pytest.raises(ValueError, match="'response' must be real"):
+        fm.compare(cart(100.0), cart(101.0), turned)
 
 
 def test_phases_differ_by_less_than_half_a_turn():
