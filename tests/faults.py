@@ -1106,6 +1106,7 @@ FAULTS = [
         "bending_z = beams.bending_damping(d.EIy, d.GAy",
         "elements/test_damping.py",
     ),
+    Fault("elements/beams.py", "turning = length_or_zero(ref)", "turning = 0.0", "elements/test_bodies.py -k plate"),
     Fault("elements/beams.py", "(1 + phi) ** 2)", "(1 + phi))", "elements/test_damping.py -k share"),
     Fault(
         "build/idle.py", 'ELASTIC if key == "section" else', '(*ELASTIC, "damping") if True else', "build/test_idle.py"

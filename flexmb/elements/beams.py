@@ -146,7 +146,7 @@ def line_inertia(p: Float[Array, "d"], q: Float[Array, "d"], *, ref: Reference, 
 
     Source: Integral of the linear shape functions: m l/6 [[2, 1], [1, 2]].
     """
-    return jnp.stack([p, q]), section.rigidity().mass * beam_length(ref) * LINEAR_MASS
+    return jnp.stack([p, q]), section.rigidity().mass * length_or_zero(ref) * LINEAR_MASS
 
 
 def point_drag(*, ref: Reference, damping: float) -> Array:
@@ -174,9 +174,19 @@ def drag_laws(axes: str, by_length: bool) -> dict[str, Any]:
     return {**own, "measured": tuple(range(1, len(names) + 1)), "grounded": True, "names": names}
 
 
-def rigid_inertia(p: Array, rot_p: Array, q: Array, *_: Array, ref, section: Section):
-    """Distributed mass of a rigid line from p, a body with a rotation, to q, a point or another body."""
-    return line_inertia(p, q, ref=ref, section=section)
+def rigid_inertia(
+    p: Array, q: Array, axes: Array, rotary: Sequence[Scalar], moments: np.ndarray, *, ref, section: Section
+) -> tuple[Array, Array]:
+    """Distributed mass of a rigid line from p to q, and rotary inertia of its sections.
+
+    Args:
+        axes: Axes of the body, one a row.
+        rotary: Rotary inertias per length.
+        moments: Their matrices between the axes.
+    """
+    line, h = line_inertia(p, q, ref=ref, section=section)
+    turning = length_or_zero(ref) * combine(rotary, moments)
+    return jnp.concatenate([line, axes]), jnp.pad(h, (0, len(axes))) + jnp.pad(turning, (2, 0))
 
 
 def check_axis(*, ref: Reference, axis: Float[Array, "d"]) -> list[str]:

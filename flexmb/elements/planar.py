@@ -180,14 +180,20 @@ def _rigid_thermal(
     return expansion * ((change[0] + change[1]) / 2 * offset - gradient[0] / 2 * across)
 
 
+def _rigid_inertia(p: Array, rot_p: Array, q: Array, *_: Array, ref, section: Section):
+    """Mass along the line, and rotary inertia on an axis that turns with the body."""
+    axis, one = rotation_plane(rot_p[0] - ref.rot_p[0])[:, :1].T, np.ones((1, 1, 1))
+    return beams.rigid_inertia(p, q, axis, [section.rigidity().Jy], one, ref=ref, section=section)
+
+
 rigid_beam = Element(
-    _rigid_beam, inertia=beams.rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
+    _rigid_beam, inertia=_rigid_inertia, thermal=_rigid_thermal, released=(), names=("offset_x", "offset_y")
 )
 """Point q rigidly attached to the body at p: e1, e2 displacement of q from its place on the body, in body axes [m],
 FIXED. The rotation at q is free: q is a hinge. ``planar.rigid_body`` is clamped at both ends.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
-material).
+Properties: section (mass and rotary inertia), alpha (coefficient of thermal expansion [1/K]; default: the value of the
+section's material).
 """
 
 
@@ -219,7 +225,7 @@ def _rigid_body_thermal(
 
 rigid_body = Element(
     _rigid_body,
-    inertia=beams.rigid_inertia,
+    inertia=_rigid_inertia,
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
     released=(),
@@ -228,8 +234,8 @@ rigid_body = Element(
 """Rigid body from p to q, clamped at both: e1, e2 offset of q in body axes [m], e3 rotation of q relative to p [rad],
 FIXED. Its two ends may lie in one place.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
-material).
+Properties: section (mass and rotary inertia), alpha (coefficient of thermal expansion [1/K]; default: the value of the
+section's material).
 """
 
 

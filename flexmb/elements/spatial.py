@@ -332,9 +332,18 @@ def _rigid_thermal(
     return expansion * ((change[0] + change[1]) / 2 * offset - across / 2)
 
 
+def _rigid_inertia(p: Array, rot_p: Array, q: Array, *_: Array, ref, section: Section, y=None):
+    """Mass along the line, and rotary inertia of its sections on the axes of the body."""
+    offset, s = ref.q - ref.p, section.rigidity()
+    along = jnp.where(offset @ offset > 0, offset, np.array([1.0, 0, 0]))
+    axes = turned(rot_p, ref.rot_p, initial_frame(jnp.zeros(3), along, y)).T
+    rotary = [s.Jx, s.Jy, s.Jz, s.Jyz]
+    return beams.rigid_inertia(p, q, axes, rotary, beams.SECOND_MOMENTS, ref=ref, section=section)
+
+
 rigid_beam = Element(
     _rigid_beam,
-    inertia=beams.rigid_inertia,
+    inertia=_rigid_inertia,
     thermal=_rigid_thermal,
     check=beams.check_across,
     released=(),
@@ -343,8 +352,8 @@ rigid_beam = Element(
 """Point q rigidly attached to the body at p: e1 to e3 displacement of q from its place on the body, in body axes [m],
 FIXED. The rotation at q is free. ``spatial.rigid_body`` is clamped at both ends.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
-material), y (vector that fixes local y, for a temperature gradient).
+Properties: section (mass and rotary inertia), alpha (coefficient of thermal expansion [1/K]; default: the value of the
+section's material), y (vector that fixes local y, for a temperature gradient and the section).
 """
 
 
@@ -371,7 +380,7 @@ def _rigid_body_thermal(
 
 rigid_body = Element(
     _rigid_body,
-    inertia=beams.rigid_inertia,
+    inertia=_rigid_inertia,
     thermal=_rigid_body_thermal,
     shape=beams.straight_shape,
     check=beams.check_across,
@@ -381,8 +390,8 @@ rigid_body = Element(
 """Rigid body from p to q, clamped at both: e1 to e3 offset of q in body axes [m], e4 to e6 rotation of q relative to p
 [rad], FIXED. Its two ends may lie in one place.
 
-Properties: section (mass), alpha (coefficient of thermal expansion [1/K]; default: the value of the section's
-material), y (vector that fixes local y, for a temperature gradient).
+Properties: section (mass and rotary inertia), alpha (coefficient of thermal expansion [1/K]; default: the value of the
+section's material), y (vector that fixes local y, for a temperature gradient and the section).
 """
 
 

@@ -119,6 +119,56 @@ def test_kinetic_energy_is_that_of_newton_and_euler():
         assert rates @ matrix @ rates / 2 == approx(expected, rel=1e-12)
 
 
+@pytest.mark.parametrize("element", [planar.rigid_beam, planar.rigid_body])
+def test_a_rigid_plate_in_the_plane_has_the_inertia_of_a_plate(element):
+    """About its end: m (l^2/3 + t^2/12)."""
+    length, width, thick = 0.1, 0.02, 0.05
+    b = fm.Builder()
+    b.node("pin", (0, 0))
+    b.node("end", (0.6 * length, 0.8 * length))
+    b.rotation("ground")
+    section = fm.Rectangle(width, thick, fm.Material(E=1.0, G=1.0, rho=7800.0))
+    ends = ("pin", "pin.rotation", "end") if element is planar.rigid_beam else ("pin", "end")
+    b.add(element, *ends, section=section)
+    b.add(planar.hinge, "ground", "pin.rotation", stiffness=100.0)
+    b.fix("ground")
+    b.fix("pin", "x", "y")
+    inertia = 7800.0 * width * thick * length * (length**2 / 3 + thick**2 / 12)
+    assert float(fm.frequencies(b.build())[0]) == approx(np.sqrt(100.0 / inertia) / (2 * np.pi), rel=1e-9)
+
+
+@pytest.mark.parametrize("element", [spatial.rigid_beam, spatial.rigid_body])
+def test_a_rigid_plate_has_the_inertia_of_a_plate(element):
+    """Kinetic energy of turns about each local axis of a plate 200 mm wide and 50 mm thick, about its end."""
+    length, wide, thick = 0.1, 0.2, 0.05
+    turned = Rotation.from_rotvec([0.4, -1.1, 0.7])
+    x, y, _ = axes = turned.as_matrix().T
+    b = fm.Builder()
+    b.node("p", (0, 0, 0))
+    b.node("q", length * x)
+    section = fm.Rectangle(wide, thick, fm.Material(E=1.0, G=1.0, rho=7800.0))
+    b.add(element, "p", "q", section=section, y=y)
+    model = b.build(check=False)
+    matrix = np.asarray(mass_matrix(model.topology, model.parameters, model.parameters.reference))
+    mass = 7800.0 * wide * thick * length
+    inertia = mass / 12 * np.array([wide**2 + thick**2, thick**2 + 4 * length**2, wide**2 + 4 * length**2])
+    for axis, expected in zip(axes, inertia, strict=True):
+        rates = np.zeros(model.topology.n_x)
+        rates[model.labels.coordinates("p.rotation")] = np.r_[0.0, axis / 2]
+        rates[model.labels.coordinates("q")] = np.cross(axis, length * x)
+        assert rates @ matrix @ rates == approx(expected, rel=1e-12)
+
+
+def test_a_rigid_body_whose_ends_lie_in_one_place_has_finite_derivatives():
+    """By the place of its end: its mass is zero there."""
+
+    def mass(q):
+        ref = spatial.rigid_body.reference([jnp.zeros(3), jnp.eye(4)[0], q, jnp.eye(4)[0]])
+        return spatial.rigid_body.inertia(*ref, ref=ref, section=fm.Rigidity(mass=1.0, Jx=2.0))
+
+    assert all(np.all(np.isfinite(slopes)) for slopes in jax.jacfwd(mass)(jnp.zeros(3)))
+
+
 @pytest.mark.slow
 def test_a_body_is_a_mass_at_the_end_of_a_rigid_beam():
     """On a leaf spring under its weight: modes about the state, which is far from the undeformed one."""
