@@ -47,12 +47,16 @@ class _Chain(NamedTuple):
 def warn_of_plain_beams(builder: Description) -> None:
     """Warn where plain beams leave out shear, or warping that clamps restrain, of more than 1 % of a stiffness.
 
+    Also warn of a single coefficient for a curvature that varies, and of thick sections that warp as thin strips.
+
     Only rectangles, circles and tubes with known sizes are checked, also sections that vary along the beam.
 
     Source:
         Shear increases the compliance of a beam with a guided end by the factor 1 + 12 EI/(GAk L^2). If the section
         varies, both compliances are integrated along the beam. Warping: :func:`flexmb.sections.warping_factor`.
+        n pieces of constant curvature have 1 - 1/n^2 of this compliance in bending.
     """
+    _warn_of_thick_strips(builder)
     largest: dict[str, tuple[float, str, str]] = {}
     # Beams that share a section evaluate it once.
     known: dict[int, Any] = {}
@@ -78,6 +82,24 @@ def warn_of_plain_beams(builder: Description) -> None:
     )
 
 
+def _warn_of_thick_strips(builder: Description) -> None:
+    """Warn of the first rectangle that restrains warping as a thin strip and is none."""
+    for name, member in builder.members.items() if builder.dimension == 3 else ():
+        section, element = member.properties.get("section"), member.element.usual
+        if not isinstance(section, Rectangle) or not is_concrete(section):
+            continue
+        strip, in_beam = float(section.width) / float(section.thickness), element == spatial.warping_beam
+        factor = element in PLAIN and section.warping_length is not None and section.clamped_ends > 0
+        if (factor and strip < STRIP) or (in_beam and max(strip, 1 / strip) < STRIP):
+            remedy = "use spatial.beam" if in_beam else "give the longer side as width, or leave out warping_length"
+            warn(
+                f"Element '{name}' restrains its warping as a thin strip does, but it is {strip:.2g} times as wide as"
+                f" thick. Its stiffness in torsion may be more than 10 % off: {remedy}.",
+                BeamTheoryWarning,
+            )
+            return
+
+
 def _remedy(builder: Description, worst: dict[str, Member]) -> str:
     """Sentence on how to include the missing effects; ``worst``: for each effect the beam with the largest change."""
     ways = []
@@ -85,6 +107,8 @@ def _remedy(builder: Description, worst: dict[str, Member]) -> str:
         hollow = any(isinstance(_kind(member), HOLLOW) for member in sheared)
         of_section = "a Rigidity with shear_y and shear_z" if hollow else "shear=True of the section"
         ways.append(f"shear by {of_section} (and {'shear=True ' * hollow}of a spectral_beam)")
+    if any("curvature" in effect for effect in worst):
+        ways.append("varying curvature by an order of 2 or more")
     if twisted := [member for effect, member in worst.items() if "warping" in effect]:
         # A `warping_length` needs the same section along the whole beam.
         varies = any(member.properties["section"].varies for member in twisted)
@@ -119,19 +143,22 @@ def _left_out(
     segments = pieces_of(section, chain.length)
     if not is_concrete(segments):
         return {}
+    changes, in_space = {}, builder.dimension == 3
+    if member.element.options.get("order") == 1 and any(_is_free(member, i) for i in ((2, 3) if in_space else (1,))):
+        n = len(chain.names)
+        changes["varying curvature in bending"] = 1 / (n**2 - 1) if n > 1 else math.inf
     nodes, weights = gauss(SAMPLES)
     places, weights = (
         np.asarray(values).ravel() for values in (segments.spread(nodes), segments.sizes[:, None] * weights)
     )
     sections: list[Any] = [section.at(place, chain.length) for place in (places if section.varies else (0.0,))]
     if not isinstance(sections[0], Rectangle | Circle | Tube | HollowRectangle) or not is_concrete(sections):
-        return {}
+        return changes
     # By NumPy, for which nothing is compiled.
     first, *_ = sections = jax.tree.map(np.asarray, sections)
     counted = [] if section.varies else known.setdefault(id(section), [])
     if not counted:
         counted += map(_sheared, sections)
-    in_space, changes = builder.dimension == 3, {}
     bendings = {"z": ("EIy", "shear_z"), "y": ("EIz", "shear_y")} if in_space else {"z": ("EIy", "shear_z")}
     for field, (axis, names) in enumerate(bendings.items(), 2 if in_space else 1):
         if not first.shear and _is_free(member, field):

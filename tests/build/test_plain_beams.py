@@ -85,6 +85,33 @@ def test_a_warping_beam_without_shear():
     assert told(spatial.warping_beam, fm.Rectangle(0.018, 0.5e-3, STEEL, shear=True)) == ""
 
 
+def test_one_coefficient_of_a_curvature_that_varies():
+    """n arcs of a guided leaf spring have 1 - 1/n^2 of its compliance, and one has none; of four, 1/15 lacks."""
+    wire = fm.Rigidity(EA=1.0, EIy=1.0, EIz=1.0, GIt=1.0)
+    alone = told(spatial.spectral_beam, wire, order=1)
+    assert "varying curvature in bending by more than 9999% ('l0')" in alone
+    assert "Count varying curvature by an order of 2 or more." in alone
+    assert "bending by 7% ('l0' to 'l3')" in told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), count=4, order=1)
+    assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), count=12, order=1) == ""
+    assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), order=2) == ""
+    assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), order=1, released=(4,)) == ""
+
+
+def test_a_thick_section_does_not_warp_as_a_strip():
+    """A square hardly warps, and a strip whose sides are swapped has the wrong decay length."""
+
+    def of(wide, thick, **more):
+        return fm.Rectangle(wide, thick, STEEL, shear=True, **more)
+
+    square = told(spatial.beam, of(0.01, 0.01, warping_length=0.1))
+    assert "Element 'l0' restrains its warping as a thin strip does, but it is 1 times as wide" in square
+    assert "give the longer side as width" in told(spatial.beam, of(0.5e-3, 0.018, warping_length=0.1))
+    assert "use spatial.beam" in told(spatial.warping_beam, of(0.01, 0.01))
+    assert told(spatial.beam, of(0.018, 0.5e-3, warping_length=0.1)) == ""
+    assert told(spatial.warping_beam, of(0.5e-3, 0.018)) == ""
+    assert told(spatial.beam, of(0.01, 0.01, warping_length=0.1, clamped_ends=0)) == ""
+
+
 def test_tubes_and_boxes():
     """Half of the area of a thin tube, and both webs of a box, carry a shear force."""
     # I = A r^2/2, k = 2 (1 + nu)/(4 + 3 nu): 12 EI/(GAk L^2) = 6 (4 + 3 nu) (r/L)^2 = 29.4 (9.5/100)^2 = 26.5 %.
