@@ -131,7 +131,7 @@ class Holed(Section):
 
 def _added(share: Any, ratio: Any, nu: Any, rounded: bool) -> Float[Array, "6 *n"]:
     """Additional lengths over the width of the strip, by its width and length over the hole's. Source: eq. (2.74)."""
-    share, ratio, nu = jnp.broadcast_arrays(*(jnp.asarray(number, float) for number in (share, ratio, nu)))
+    share, ratio = (jnp.asarray(number, float) for number in (share, ratio))
     powers = [ratio**k * share**j for k in range(3) for j in range(3)]
     return jnp.tensordot(ROUND if rounded else SHARP, jnp.stack([*powers, share * (nu - 0.3)]), 1)
 
@@ -140,8 +140,8 @@ def with_hole(section: Section, width: Scalar, *, rounded: bool = True) -> Profi
     """Return the section of the piece of a leaf spring beside a hole in the middle of its width.
 
     Place a node at both ends of the hole. Use this section for a spectral beam with shear between these nodes, and the
-    section of the strip for leaf springs on both sides. The stiffnesses agree with solid elements within 1.5 %, see
-    THEORY.md 2, eq. (2.72). The piece has no stress: stress concentrates beside a hole.
+    section of the strip for leaf springs on both sides. The stiffnesses agree with solid elements within 1.5 %.
+    The piece has no stress: stress concentrates beside a hole.
 
     Args:
         section: Rectangle of the strip.
@@ -159,7 +159,8 @@ def with_hole(section: Section, width: Scalar, *, rounded: bool = True) -> Profi
     Source:
         THEORY.md 2, eq. (2.72) to (2.75): fits to solid elements.
     """
-    if not hasattr(section, "width") or not hasattr(section, "thickness"):
+    # Of all sections, a rectangle alone has this field.
+    if not hasattr(section, "warping_length"):
         raise TypeError(f"Argument `section` must be a Rectangle, not {short_repr(section)}.")
     strip: Any = section
     check_number("width", width, above=0, fault=ModelError)
