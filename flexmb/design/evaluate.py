@@ -103,7 +103,7 @@ def check_answer_names(dimensions: Sequence[str], answers: Sequence[str], reserv
             raise ValueError(f"Answer '{name}' has the name of a dimension. Choose another name.")
 
 
-def check_dimensions(build: Build, names: Sequence[str]) -> None:
+def check_dimensions(build: Build, names: Sequence[str], least: int = 1) -> None:
     """Refuse dimensions that a function does not accept, and report missing ones."""
     if not callable(build):
         text = printable(repr(build))
@@ -114,7 +114,7 @@ def check_dimensions(build: Build, names: Sequence[str]) -> None:
         return
     accepted = [p for p in parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
     known = [p.name for p in accepted]
-    if not names:
+    if len(names) < least:
         raise ValueError("Give at least one dimension.")
     listed = f"{getattr(build, '__name__', 'the function')}({', '.join(known)})"
     if not any(p.kind is p.VAR_KEYWORD for p in parameters.values()):

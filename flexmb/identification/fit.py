@@ -123,7 +123,8 @@ def _build_arguments(build: Build, items: list[Measured], names: Sequence[str]) 
         except (TypeError, ValueError):
             accepted = set(names) - of_data
     arguments = tuple(name for name in names if name not in of_data or name in accepted)
-    check_dimensions(build, arguments)
+    # All parameters may belong to measurements, such as the gain of a sensor.
+    check_dimensions(build, arguments, least=0 if names else 1)
     return arguments
 
 

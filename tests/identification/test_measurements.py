@@ -123,6 +123,16 @@ def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
             found.again(np.concatenate([noisy.real, noisy.imag])[None])
 
 
+def test_parameters_of_a_measurement_alone():
+    readings = np.array([1.3, 1.32])
+    data = fm.measured(lambda model, offset: fm.frequencies(model)[:2] + offset, readings, 0.01)
+    found = fm.fit(lambda: carts(100.0, 100.0), data, {"offset": 0.0}, {"offset": (-1.0, 1.0)})
+    assert found.parameters["offset"] == pytest.approx(np.mean(readings) - cart_frequency(100.0), rel=1e-9)
+    assert found.deviation["offset"] == pytest.approx(0.01 / np.sqrt(2), rel=1e-9)
+    with pytest.raises(ValueError, match=r"Dimension 'left' of .* is not given"):
+        fm.fit(carts, data, {"offset": 0.0}, {"offset": (-1.0, 1.0)})
+
+
 @pytest.mark.slow
 def test_a_time_history_gives_stiffness_and_damping():
     truth, force, times = {"stiffness": 200.0, "damping": 1.0}, 10.0, np.linspace(0.0, 3.0, 40)
