@@ -20,6 +20,7 @@ import numpy as np
 
 from .collecting import Collector
 from .errors import ModelError
+from .numerical_limits import ROUND_OFF
 
 # Real numbers without a NumPy type.
 EXACT = (Fraction, Decimal)
@@ -38,6 +39,18 @@ def is_concrete(tree: Any) -> bool:
 def undifferentiated(tree: Any) -> Any:
     """A pytree whose numbers have no derivatives: numbers that only ``jax.grad`` traces become known."""
     return jax.tree.map(lambda leaf: jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf, tree)
+
+
+def differences(one: Any, other: Any) -> np.ndarray:
+    """Where two arrays differ beyond round-off; nowhere if ``jax.jit`` or ``jax.vmap`` traces one of them."""
+    one, other = undifferentiated((one, other))
+    if not is_concrete((one, other)):
+        return np.zeros(1, bool)
+    one, other = np.asarray(one), np.asarray(other)
+    if one.shape != other.shape:
+        return np.ones(1, bool)
+    size = np.max(np.abs(other), initial=0.0, where=np.isfinite(other))
+    return ~np.isclose(one, other, rtol=0.0, atol=ROUND_OFF * size, equal_nan=True)
 
 
 def require_double_precision() -> None:

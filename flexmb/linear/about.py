@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..arguments import is_concrete, require_double_precision
+from ..arguments import differences, is_concrete, require_double_precision
 from ..display import kind_of
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.loads import load_factors_of
@@ -77,7 +77,9 @@ def _key(entry: Any) -> str:
 
 
 def check_state(at: Any, model: Model, function: str) -> None:
-    """Raise ValueError for a state of another model, by its names or known numbers.
+    """Raise ValueError for a state of another model, by its names or known numbers, also under ``jax.grad``.
+
+    TypeError for a known state of a model with traced numbers: its derivative would be zero.
 
     Loads and strains may differ, as those of a path's steps and imperfections do.
     """
@@ -92,14 +94,18 @@ def check_state(at: Any, model: Model, function: str) -> None:
     if of_state is None:
         return
     numbers = [(source.parameters.reference, source.parameters.properties) for source in (of_state, model)]
-    if not is_concrete(numbers):
-        return
     (ours, shape), (theirs, their_shape) = (jax.tree_util.tree_flatten_with_path(part) for part in numbers)
     pairs = [(a, b) for (path, a), (_, b) in zip(ours, theirs, strict=False) if not BEARS.intersection(map(_key, path))]
-    if shape != their_shape or any(not np.array_equal(*pair, equal_nan=True) for pair in pairs):
+    if shape != their_shape or any(np.any(differences(*pair)) for pair in pairs):
         raise ValueError(
             f"Argument `at` of fm.{function} belongs to a model with other dimensions. Give that model, or a state of"
             " this model."
+        )
+    if any(is_concrete(a) and not is_concrete(b) for a, b in pairs):
+        raise TypeError(
+            f"Argument `at` of fm.{function} has known numbers, but the numbers of the model are traced, as under"
+            " jax.grad and jax.jit: the answer would not follow them. Compute the state from the traced model, such as"
+            " at=fm.linearize(model)."
         )
 
 

@@ -145,7 +145,8 @@ def frequencies(
             freedom. See :func:`flexmb.equilibrium`. By default the size of the model decides, if ``count`` is given.
         solver: "sparse", "dense", or a :class:`flexmb.math.linear_solver.LinearSolver` in place of sparse factors.
         throw: Raise if the equilibrium or the eigenproblem fails.
-        at: Equilibrium, Path, Motion or Linearization of the model, whose state replaces the equilibrium.
+        at: Equilibrium, Path, Motion or Linearization of the model, whose state replaces the equilibrium. flexmb
+            refuses a state of a model with other names or dimensions, and a known state for traced numbers.
         step: Number of the state of a path or a motion, from 0; -1 for the last.
         time: Time of the state of a motion, one of its output times [s].
         increment: Factor of the incremental loads of the equilibrium, () [-]; zero by default.

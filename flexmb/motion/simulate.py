@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, checked_times, computed, is_concrete, short_repr, undifferentiated
+from ..arguments import as_floats, checked_times, computed, differences, is_concrete, short_repr, undifferentiated
 from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
@@ -112,9 +112,10 @@ def simulate(
         model: Mechanism; differentiable in ``model.parameters``.
         times: Ascending times of the result, (n_t,) [s]; the first is the start.
         initial: Start: an equilibrium (at rest), a configuration, or the end of another motion. None: the start values
-            of the builder, or the undeformed mechanism at rest. If driven coordinates start at other positions or with
-            a velocity, the degrees of freedom and their rates keep their values of this start. The other coordinates
-            follow.
+            of the builder, or the undeformed mechanism at rest. flexmb refuses a start of a mechanism with other
+            undeformed positions, but does not see positions that ``jax.jit`` or ``jax.vmap`` traces. If driven
+            coordinates start at other positions or with a velocity, the degrees of freedom and their rates keep their
+            values of this start. The other coordinates follow.
         drives: Loads, inputs and prescribed motion as functions of time: loads, motion, inputs, increment, jumps.
         loop: Controller around the mechanism: control, reference, sign. Without a reference and a sign, a controller
             reads y: a linear system then is positive feedback, of which flexmb warns.
@@ -510,8 +511,7 @@ def _check_same_undeformed(model: Model, of_state: Model | None) -> None:
     """
     if of_state is None:
         return
-    ours, theirs = model.parameters.reference, of_state.parameters.reference
-    if is_concrete((ours, theirs)) and np.any(differs := np.asarray(ours) != np.asarray(theirs)):
+    if np.any(differs := differences(of_state.parameters.reference, model.parameters.reference)):
         raise ModelError(
             "Argument `initial` is a state of a mechanism with other undeformed positions: it differs in"
             f" {model.labels.x[int(np.argmax(differs))]}. Give a state of this model."

@@ -6,7 +6,7 @@ import pickle
 import jax
 import numpy as np
 import pytest
-from cases.mechanisms import LENGTH, THICKNESS, WIDTH, planar_guide
+from cases.mechanisms import LENGTH, THICKNESS, WIDTH, cart_on_rod, planar_guide
 from cases.tolerances import approx
 
 import flexmb as fm
@@ -233,6 +233,21 @@ def test_a_picture_takes_an_equilibrium_by_its_article(pressed):
     stored = pickle.loads(pickle.dumps(found))
     with pytest.raises(TypeError, match="not an Equilibrium"):
         plot.mechanism(stored)
+
+
+def test_a_known_state_of_traced_numbers_is_refused():
+    """Its derivative would be zero. Dimensions are compared where jax.grad alone traces them."""
+    lin = fm.linearize(cart_on_rod(100.0, 1.0).build())
+
+    def first(stiffness):
+        return fm.frequencies(cart_on_rod(stiffness, 1.0).build(), at=lin)[0]
+
+    with pytest.raises(TypeError, match="would not follow them"):
+        jax.grad(first)(100.0)
+    with pytest.raises(TypeError, match="would not follow them"):
+        jax.eval_shape(first, 100.0)
+    with pytest.raises(ValueError, match="other dimensions"):
+        jax.grad(first)(110.0)
 
 
 @pytest.mark.slow("frequencies-1", "modes-1", "buckling_loads-1")

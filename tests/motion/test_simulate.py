@@ -396,11 +396,14 @@ def test_a_start_of_a_mechanism_of_another_length_is_refused():
         b.fix("hook")
         b.fix("load", "x")
         b.mass("load", 1.0)
+        b.dof("load", "y")
         return b.build()
 
     start = fm.equilibrium(hanging(0.1))
     with pytest.raises(fm.ModelError, match=r"`initial` is a state of .*other undeformed positions: .*load\.y"):
         fm.simulate(hanging(0.11), [0.0, 0.1], initial=start)
+    with pytest.raises(fm.ModelError, match=r"other undeformed positions: .*load\.y"):
+        jax.grad(lambda length: fm.simulate(hanging(length), [0.0, 0.1], initial=start).x[-1, -1])(0.11)
 
 
 def test_names_and_times_are_checked(pendulum):
