@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_whole
 from ..display import unit_of
 from ..linear.modes import frequencies as frequencies_of
 from ..motion.motion import Motion
@@ -43,7 +44,7 @@ def frequencies(
     """
     if not isinstance(found, Path | SparsePath | Motion):
         raise TypeError(f"Argument `found` must be a Path or a Motion, but is a {type(found).__name__}.")
-    states = states_of(found)
+    count, states = check_whole("count", count, 1), states_of(found)
     if isinstance(found, SparsePath):
         most = up_to(count, found.model)
         hertz = np.asarray([frequencies_of(found.linearization(i), count=most) for i in range(len(found.x))])

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from ..arguments import check_number
 from ..display import Result, States, kind_of
 from ..linear.buckling import Buckling
 from ..linear.modes import Modes
@@ -43,6 +44,7 @@ def modes(found: Modes | Buckling, which: Sequence[int] | int | None = None, *, 
     states = found.states() if isinstance(found, Result) else None
     if states is None or states.moves is None:
         raise TypeError(f"A picture of modes needs fm.modes(model) or fm.buckling(model), not {kind_of(found)}.")
+    check_number("amplitude", amplitude)
     chosen = drawn_modes(states, [which] if isinstance(which, int) else which, AT_MOST, "draw")
     figure, axes = figure_grid(len(chosen), states.model.labels.dimension)
     for ax, mode in zip(axes, chosen, strict=True):

@@ -24,7 +24,10 @@ def states_of(shown: Any, at: Any = None) -> States:
     if at is not None and not hasattr(at, "x"):
         raise TypeError(f"Argument `at` must be a state of the model such as an equilibrium, but is {kind_of(at)}.")
     x = np.asarray(states.x if at is None else at.x, float)
-    if x.shape[-1] != (n_x := states.model.topology.n_x):
+    n_x, labels = states.model.topology.n_x, getattr(at, "labels", None)
+    if labels is not None and labels.x != states.model.labels.x:
+        raise ValueError("Argument `at` belongs to another model: its nodes have other names.")
+    if at is not None and x.shape != (n_x,):
         what = f"a state of this model, which has {n_x} coordinates"
         raise ValueError(f"Argument `at` must be {what}, but its x has shape {x.shape}.")
     return states._replace(x=x)

@@ -2,13 +2,14 @@
 
 import dataclasses
 import itertools
+from types import SimpleNamespace
 
 import control
 import matplotlib as mpl
 import numpy as np
 import pytest
 from cases.commands import command
-from cases.mechanisms import LENGTH, leaf, planar_guide, spatial_guide
+from cases.mechanisms import LENGTH, cart_on_rod, leaf, planar_guide, spatial_guide
 from cases.tolerances import approx
 
 import flexmb as fm
@@ -29,6 +30,10 @@ import matplotlib.pyplot as plt
 def _figures_are_closed():
     yield
     plt.close("all")
+
+
+def at_two_states(model):
+    return np.zeros((2, model.topology.n_x))
 
 
 def undeformed(model):
@@ -620,12 +625,15 @@ def test_bode_plot_of_many_poles_agrees_with_python_control(monkeypatch):
     [
         (lambda m: plot.mechanism(3), TypeError, "not a int"),
         (lambda m: plot.mechanism(m, at=3), TypeError, "state of the model"),
+        (lambda m: plot.mechanism(m, at=fm.configuration(cart_on_rod(1.0, 1.0).build())), ValueError, "another model"),
+        (lambda m: plot.mechanism(m, at=SimpleNamespace(x=at_two_states(m))), ValueError, r"but its x has shape \(2,"),
         (lambda m: plot.mechanism(m, step=1), ValueError, "needs a Path"),
         (lambda m: plot.mechanism(m, time=1.0), ValueError, "needs a Motion"),
         (lambda m: plot.mechanism(m, scale=np.nan), ValueError, "finite"),
         (lambda m: plot.mechanism(m, ax=plt.figure().add_subplot(projection="3d")), ValueError, "2 dimensions"),
         (lambda m: plot.modes(m), TypeError, "fm.modes"),
         (lambda m: plot.modes(fm.modes(m), 7), ValueError, "no mode 7"),
+        (lambda m: plot.modes(fm.modes(m), amplitude=np.nan), ValueError, "`amplitude` must be finite"),
         (lambda m: plot.stress(m, m), TypeError, "fm.stress"),
         (lambda m: plot.stress(fm.linear.section_resultants(m), m, "von Mises"), ValueError, "must be one of"),
         (lambda m: plot.self_stress(fm.mobility(m)), ValueError, "there are 0"),
@@ -653,6 +661,8 @@ def test_coordinates_and_times_that_are_not_there(snapping, swinging):
         plot.history(swinging, ["cart.x", "energy"])
     with pytest.raises(ValueError, match="`velocity` is for coordinates, and 'kinetic' is an energy"):
         plot.history(swinging, "kinetic", velocity=True)
+    with pytest.raises(ValueError, match="`count` must be at least 1"):
+        plot.frequencies(swinging, count=-1)
     with pytest.raises(ValueError, match="below 11"):
         plot.mechanism(swinging, step=11)
 
