@@ -103,8 +103,9 @@ def modes_of_response(
         ModalData. Its method ``measured`` returns a measurement for :func:`flexmb.fit`.
 
     Raises:
-        ValueError: Numbers of frequencies and responses differ. A value is zero or not finite. Frequencies are not
-            positive and ascending. A deviation is not positive. There are too few values for the modes.
+        ValueError: Numbers of frequencies and responses differ. A value is zero or not finite. A response is real at
+            all frequencies. Frequencies are not positive and ascending. A deviation is not positive. There are too few
+            values for the modes.
         AnalysisError: flexmb finds fewer modes than wanted (not_converged).
 
     Warns:
@@ -184,6 +185,11 @@ def _checked(hertz: Any, responses: Any, deviation: Any) -> tuple[np.ndarray, np
         raise ValueError(f"Row {bad[0] + 1} of {len(places)} has a value that is not finite or zero. Leave it out.")
     if not (np.all(np.diff(places) > 0) and places[0] > 0):
         raise ValueError("Frequencies must be positive and ascending.")
+    if real := np.flatnonzero(~np.any(values.imag, axis=0)).tolist():
+        raise ValueError(
+            f"Response {real[0] + 1} of {values.shape[1]} is real at all frequencies. Give complex responses:"
+            " magnitudes alone do not determine modes."
+        )
     if deviation is None:
         return places, values, np.abs(values)
     spread = np.asarray(deviation, float)

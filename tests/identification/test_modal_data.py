@@ -78,6 +78,8 @@ def test_wrong_responses_are_named():
         modes_of_response(HERTZ[::-1], clean)
     with pytest.raises(ValueError, match="A deviation is -1"):
         modes_of_response(HERTZ, clean, -1.0)
+    with pytest.raises(ValueError, match=r"Response 1 of .* is real at all frequencies"):
+        modes_of_response(HERTZ, np.abs(clean))
     with pytest.raises(ValueError, match="do not determine 3 modes"):
         modes_of_response(HERTZ[:8], clean[:8, :1], modes=3)
     with pytest.raises(ValueError, match="quantity"):
