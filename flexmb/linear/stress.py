@@ -15,10 +15,12 @@ from ..arguments import check_whole, is_concrete
 from ..compilation.compile import jit, unguarded
 from ..compilation.record import Record, static
 from ..display import Column, Labelled, Quantities, Summary, counted, kind_of, listed, span
+from ..elements import spatial
 from ..elements.curves import curve_length
 from ..elements.section import Section
+from ..elements.sections import Rectangle
 from ..elements.surface import POINTS, squared, von_mises
-from ..errors import ModelError, warn
+from ..errors import BeamTheoryWarning, ModelError, warn
 from ..mechanics.blocks import companion_of
 from ..mechanics.loads import warn_of_increment
 from ..mechanics.stress_resultants import block_resultants as resultants_of_blocks
@@ -35,6 +37,8 @@ from .linearize import Linearization, ManyStates, Stressed
 PLACES, PLACES_OF_SERIES = 5, 33
 # Parts of a section that varies; each of many smooth pieces has fewer.
 PARTS = 64
+# Share of the stress of a torque in the largest stress from which missing stress of warping is a warning.
+SHARE_OF_TORQUE = 0.1
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
 
@@ -598,6 +602,8 @@ def stress(
 
     Warns:
         FlexmbWarning: The stress is above the strength of a material; elements are left out.
+        BeamTheoryWarning: A torque acts on a ``spatial.warping_beam``, or on a section with ``warping_length``, whose
+            normal stress by restrained warping is left out.
 
     Raises:
         ModelError: No element has a section with a shape.
@@ -614,9 +620,42 @@ def stress(
     values, sigma_x, tau, equivalent, more = _stress(asked, several=several)
     resultants = SectionResultants(values, jax.device_put(asked.places), result, names)
     stresses = Stress(sigma_x, tau, equivalent, resultants, **more, left_out=tuple(left_out))
-    if stresses.strength is not None and is_concrete(stresses):
-        _warn_of_failure(stresses)
+    if is_concrete((stresses, model.parameters.properties)):
+        _warn_of_warping(model, stresses)
+        if stresses.strength is not None:
+            _warn_of_failure(stresses)
     return stresses
+
+
+def _warn_of_warping(model: Model, stresses: Stress) -> None:
+    """Warn of torsion whose normal stress by restrained warping the sections leave out.
+
+    At a clamp it exceeds the shear stress: E' t k w/(4 l) for the twist rate k, with l of (2.24).
+    """
+    shape = stresses.von_mises.shape[-3:-1]
+    largest = np.max(np.asarray(stresses.by_element).reshape(-1, shape[0]), axis=0)
+    torques = np.max(np.abs(np.asarray(stresses.resultants.values)[..., 3]).reshape(-1, *shape), axis=(0, 2))
+    torque_of = dict(zip(stresses.names, zip(torques, largest, strict=True), strict=True))
+    twisted = []
+    pairs = zip(model.topology.blocks, model.labels.stressed, model.parameters.properties, strict=True)
+    for block, names, properties in pairs:
+        for part, stack in _stacks(properties) if any(names) else ():
+            if not isinstance(stack, Rectangle) or "surface" in block.companions:
+                continue
+            clamped = np.full(part.stop - part.start, stack.warping_length is not None and stack.clamped_ends > 0)
+            if block.element.usual == spatial.warping_beam:
+                clamped = np.any(np.asarray(properties["clamped"])[part] > 0, axis=1)
+            sides = np.sort([np.asarray(stack.width), np.asarray(stack.thickness)], axis=0)
+            for name, is_clamped, thin, wide in zip(names[part], clamped, *sides, strict=True):
+                torque, most = torque_of.get(str(name), (0.0, 0.0))
+                if is_clamped and np.sqrt(3) * 3 * torque / (wide * thin**2) > SHARE_OF_TORQUE * most:
+                    twisted.append(repr(name))
+    if twisted:
+        warn(
+            f"A torque acts on element {listed(twisted)}. Its stress leaves out the normal stress of restrained"
+            " warping, which exceeds its shear stress near clamped ends. A spatial.leaf_spring counts both.",
+            BeamTheoryWarning,
+        )
 
 
 def _warn_of_failure(stresses: Stress) -> None:

@@ -1,6 +1,7 @@
 """Section resultants and stress: closed forms, hand calculation, rods solved by shooting, balance, derivatives."""
 
 import dataclasses
+import warnings
 
 import jax
 import jax.numpy as jnp
@@ -812,3 +813,30 @@ def test_stress_in_a_groove_between_the_places(breaks):
     found = fm.stress(b.build(dofs="named"))
     # At half a part from the middle of the groove it is thicker by 0.3 (1/(128 width))^2.
     assert float(found.maximum) == approx(6e-3 / (0.01 * 0.0007**2), rel=6e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("element", [spatial.warping_beam, spatial.beam])
+def test_the_stress_of_restrained_warping_is_left_out_with_a_warning(element):
+    """A strip under a torque: a leaf spring has 1.5 times the stress, by its normal stress at the clamp."""
+    length = {} if element is spatial.warping_beam else {"warping_length": 0.1}
+    strip = fm.Rectangle(0.018, 0.5e-3, mechanisms.steel(), shear=True)
+
+    def twisted(element, section, moment):
+        b = fm.Builder()
+        b.node("foot", (0, 0, 0))
+        b.node("tip", (0.1, 0, 0))
+        b.node("end", (0.12, 0, 0))
+        b.add(element, "foot", "tip", name="strip", section=section, y=(0, 1, 0))
+        b.add(spatial.rigid_body, "tip", "end")
+        b.fix("foot")
+        b.moment("end", moment)
+        return fm.stress(b.build())
+
+    with pytest.warns(fm.BeamTheoryWarning, match="torque acts on element 'strip'. Its stress leaves out the normal"):
+        less = twisted(element, dataclasses.replace(strip, **length), (2e-3, 0, 0))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("error", "A torque acts")
+        more = twisted(spatial.leaf_spring, strip, (2e-3, 0, 0))
+        twisted(element, dataclasses.replace(strip, **length), (1e-6, 2e-3, 0))
+    assert float(more.maximum) > 1.4 * float(less.maximum)
