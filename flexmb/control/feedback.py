@@ -205,6 +205,11 @@ def feedback_controller(
                 f"The controller, a function of frequencies, must return shape {(len(hertz), *sizes)}, not"
                 f" {gain.shape}."
             )
+        if is_concrete(gain) and len(wrong := np.argwhere(~np.isfinite(np.asarray(gain)))):
+            raise ValueError(
+                f"The response of the controller is not finite at {float(hertz[wrong[0, 0]]):.6g} Hz, such as of an"
+                " integrator at 0 Hz. Leave this frequency out."
+            )
         return gain if matrices is not None else sign * gain
 
     return Controller(places[0], places[1], matrices, by_frequency)

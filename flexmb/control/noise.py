@@ -186,8 +186,8 @@ def noise_budget(
             of the controller's names belong to the mechanism, others do not.
         KeyError: A source, output or input is unknown.
         ValueError: There are no sources; a density is negative or has a wrong shape; a density that is no number has
-            neither ``hertz`` nor ``band``; the controller does not fit; under ``jax.jit``, a ``band`` is combined with
-            a controller that is a function.
+            neither ``hertz`` nor ``band``; the controller does not fit or is not finite at a frequency; under
+            ``jax.jit``, a ``band`` is combined with a controller that is a function.
 
     Warns:
         FlexmbWarning: ``hertz`` do not resolve a resonance; a root mean square is infinite; a spectrum grows towards

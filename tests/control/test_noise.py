@@ -460,3 +460,12 @@ def test_a_user_s_kind_of_system_is_no_function_of_frequencies():
     own = feedback_controller(Lead([[-50.0]], [[1.0]], [[500.0]], [[0.0]]), None, None, ["tip"], ["push"], -1)
     s = 2j * np.pi * 10.0
     assert own.by_frequency(np.array([10.0]))[0, 0, 0] == approx(-500 / (s + 50), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "law", [control.tf([5.0], [1.0, 0.0]), lambda f: np.where(f > 0, 5.0, np.inf), np.array([[np.nan]])]
+)
+def test_a_controller_that_is_not_finite_is_refused_by_its_frequency(law):
+    given = feedback_controller(law, None, None, ["tip"], ["push"], -1)
+    with pytest.raises(ValueError, match="controller is not finite at 0 Hz"):
+        given.by_frequency(np.array([0.0, 1.0]))
