@@ -55,7 +55,8 @@ def verdict(
         stroke: Largest stroke to both sides, or its two ends, which enclose zero, [m or rad]. Give it with the name of
             the driven coordinate if the model does not determine this coordinate: {"top.x": 5e-3}, or in space
             {"top.rx": 0.1} for the angle about a global axis. No name is needed for a coordinate that is prescribed
-            with an increment, or if the model has only one input or only one degree of freedom.
+            with an increment, or if the model has only one input or only one degree of freedom. A stroke counts from
+            the constant value of a prescribed coordinate, otherwise from the undeformed mechanism.
         dimensions: Numbers by name, as for ``flexmb.sensitivities`` [SI].
         limits: Limits by the name of a curve, in its unit. A number is the least value of "frequency 1", "stiffness y"
             and "buckling", and the largest size of any other curve. Or (lower, upper), with None for no limit. Default

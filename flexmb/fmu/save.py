@@ -200,7 +200,8 @@ def save_fmu(
 
     - The solution of a linear plant is exact, by a matrix exponential. The unit stores this matrix for further steps of
       the same length.
-    - A time-varying plant moves by a Magnus series of fourth order, in substeps that end at the knots.
+    - A time-varying plant moves by a Magnus series of fourth order, in substeps that end at the knots. Before the first
+      knot and after the last one, its matrices and nominal values stay constant.
     - A nonlinear plant moves by a Rosenbrock method of order five, with the importer's relative tolerance or 1e-6.
       The tolerance is relative to the size of a state, but at least to a millimetre or a milliradian. Each step
       evaluates the equations once per state for the Jacobian. The unit looks for forces that act only within a step,
