@@ -83,18 +83,26 @@ def warn_of_plain_beams(builder: Description) -> None:
 
 
 def _warn_of_thick_strips(builder: Description) -> None:
-    """Warn of the first rectangle that restrains warping as a thin strip and is none."""
-    for name, member in builder.members.items() if builder.dimension == 3 else ():
-        section, element = member.properties.get("section"), member.element.usual
-        if not isinstance(section, Rectangle) or not is_concrete(section):
-            continue
-        strip, in_beam = float(section.width) / float(section.thickness), element == spatial.warping_beam
+    """Warn of the first rectangle that restrains warping as a thin strip and is none.
+
+    In a row of warping beams along a notch, thick pieces belong to a thin one and twist little.
+    """
+    rectangles = [
+        (name, member.element.usual, section)
+        for name, member in (builder.members.items() if builder.dimension == 3 else ())
+        if isinstance(section := member.properties.get("section"), Rectangle) and is_concrete(section)
+    ]
+    strips = {name: float(section.width) / float(section.thickness) for name, _, section in rectangles}
+    beams = [name for name, element, _ in rectangles if element == spatial.warping_beam]
+    thick_beams = set(beams) if all(max(strips[name], 1 / strips[name]) < STRIP for name in beams) else set()
+    for name, element, section in rectangles:
         factor = element in PLAIN and section.warping_length is not None and section.clamped_ends > 0
-        if (factor and strip < STRIP) or (in_beam and max(strip, 1 / strip) < STRIP):
+        if (factor and strips[name] < STRIP) or name in thick_beams:
+            in_beam = name in thick_beams
             remedy = "use spatial.beam" if in_beam else "give the longer side as width, or leave out warping_length"
             warn(
-                f"Element '{name}' restrains its warping as a thin strip does, but it is {strip:.2g} times as wide as"
-                f" thick. Its stiffness in torsion may be more than 10 % off: {remedy}.",
+                f"Element '{name}' restrains its warping as a thin strip does, but it is {strips[name]:.2g} times as"
+                f" wide as thick. Its stiffness in torsion may be more than 10 % off: {remedy}.",
                 BeamTheoryWarning,
             )
             return
