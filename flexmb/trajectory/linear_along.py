@@ -14,7 +14,7 @@ import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
 from .. import __version__
-from ..arguments import as_reals, check_number, check_whole, checked_times, is_concrete, short_repr
+from ..arguments import as_reals, check_number, check_numbers, check_whole, checked_times, is_concrete, short_repr
 from ..compilation.compile import jit
 from ..compilation.record import Record, static
 from ..control.state_space import StateMatrices, state_matrices
@@ -321,6 +321,8 @@ class TimeVarying(Labelled, Record):
             raise ValueError(
                 f"Argument `initial` must have one number for each of the {count} states, not shape {start.shape}."
             )
+        check_numbers("Argument `u`", u, sizes)
+        check_numbers("Argument `initial`", start, (count,))
         return times, u.T, start
 
 

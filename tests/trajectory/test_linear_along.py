@@ -192,6 +192,10 @@ def test_what_cannot_be_asked_says_so(elevator):
         elevator.response(TIMES, TIMES[1:])
     with pytest.raises(ValueError, match="each of the 6 states"):
         elevator.response(TIMES, initial=[1.0])
+    with pytest.raises(ValueError, match="`initial` has a value that is not a finite number"):
+        elevator.solution(TIMES, initial=np.full(6, np.nan))
+    with pytest.raises(ValueError, match="`u` has a value that is not a finite number"):
+        elevator.solution(TIMES, np.full(len(TIMES), np.inf))
     with pytest.raises(ValueError, match="without a time twice"):
         elevator.solution([0.0, 0.0])
     with pytest.raises(ValueError, match="`modes`"):
