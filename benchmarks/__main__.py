@@ -55,7 +55,7 @@ SCRIPTS = (
 BESIDE = ("motion", "swing", "nets", "chains", "size", "along", "convergence", "operations")
 # These run only when named: CalculiX takes an hour, a thousand fits and measured structures some minutes,
 # and what others are compared with is kept.
-NAMED = ("solid", "solutions", "fits", "measured")
+NAMED = ("solid", "solutions", "fits", "measured", "measured_fits")
 # Tables of numbers, not charts; what follows goes to them.
 TABLES = {"--quick": "quick", "--against": "against"}
 

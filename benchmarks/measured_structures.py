@@ -18,8 +18,8 @@ GRAVITY, INCH = 9.81, 0.0254
 # skin. The source prints 0.08 and 0.04 behind the edge. These fit the twist for a rigid clamp and no own weight.
 MID_CHORD = 0.006
 LEVERS = {"with skin": 0.114, "without skin": 0.098}
-# Place of the masses with the wing's own weight and a rigid clamp, fitted by wing.py: lever, and how far beyond the
-# tip they hang [m].
+# Place of the masses with the own weight of the wing and a rigid clamp, fitted by measured_fits.py: lever, and how far
+# beyond the tip they hang [m].
 FITTED = {"with skin": {"lever": 0.124, "outboard": 0.055}, "without skin": {"lever": 0.098, "outboard": 0.055}}
 # All readings without skin, from the files of the source. Both edges were read in steps of 1 mm, 95 mm apart: masses
 # [kg], displacement at mid-chord [mm] under masses at mid-chord and behind the edge, and twist [deg]. ZEROS: error of
@@ -44,7 +44,7 @@ FLAPPING = {
 COUPLED = {0: [95.4, 106.6, 132.7], 15: [87.5, 120.1, 147.3], 30: [83.7, 122.6, 166.2], 45: [78.8, 117.7, 162.0]}
 
 
-def wing(kind: str, clamp: float = 0.0) -> fm.Builder:
+def wing(kind: str, clamp: Any = 0.0) -> fm.Builder:
     """The Pazy wing on 15 beams: x to the trailing edge, y along the span, z up.
 
     Args:
@@ -63,6 +63,7 @@ def wing(kind: str, clamp: float = 0.0) -> fm.Builder:
         ends = f"n{number - 1}", f"n{number}"
         # Local y points to the leading edge: the spar lies at mid-chord, where K14/K11 puts the tension centre.
         b.add(spatial.spectral_beam(2), *ends, name=f"b{number}", section=section, y=(-1.0, 0.0, 0.0))
+        b.dof(f"b{number}", *range(7, 15))
     for number, (mass, x, y, z, ixx, iyy, izz) in enumerate(own["inertia"]):
         if number:
             b.body(f"n{number}", mass, center=(x, y, z), inertia=(ixx, 0, 0, iyy, 0, izz))
@@ -71,9 +72,9 @@ def wing(kind: str, clamp: float = 0.0) -> fm.Builder:
 
 
 def wing_loaded(
-    kind: str, lever: float, masses: Any, clamp: float = 0.0, weight: bool = False, outboard: float = 0.0
-) -> dict[str, np.ndarray]:
-    """Displacement and twist of the wing under tip masses.
+    kind: str, lever: Any, masses: Any, clamp: Any = 0.0, weight: bool = False, outboard: Any = 0.0
+) -> dict[str, Any]:
+    """Displacement and twist of the wing under tip masses. Lever, clamp and outboard may be traced.
 
     Args:
         kind: "with skin" or "without skin".
@@ -85,7 +86,7 @@ def wing_loaded(
 
     Returns:
         "displacement" down of the axis at the tip, "at mid-chord" there, and "at the mass" [% of the span], "twist":
-        angle of the chord with the horizontal, "about the axis": angle in the section of the tip [deg].
+        angle of the chord with the horizontal [deg].
     """
     b, tip = wing(kind, clamp), f"n{len(WING['nodes']) - 1}"
     b.node("mass", (lever, SPAN + outboard, 0.0))
@@ -95,20 +96,12 @@ def wing_loaded(
     b.force("mass", (0.0, 0.0, -GRAVITY), increment=True)
     if weight:
         b.gravity((0.0, 0.0, -GRAVITY))
-    model = b.build()
-    found = fm.equilibria(model, increment=jnp.asarray([0.0, *masses]))
+    found = fm.equilibria(b.build(), increment=jnp.asarray([0.0, *masses]))
     places = {"displacement": tip, "at mid-chord": "mid-chord", "at the mass": "mass"}
-    down = {name: -np.asarray(found.position(node, "z")) for name, node in places.items()}
-    chord, span = (np.array([fm.rotations.to_matrix(one)[:, k] for one in found.at(f"{tip}.rotation")]) for k in (0, 1))
-    level = np.cross(span, [0.0, 0.0, 1.0])
-    level /= np.linalg.norm(level, axis=1)[:, None]
-    lifted = np.sum(chord * np.cross(level, span), axis=1)
-    angles = {
-        "twist": np.degrees(np.arcsin(-chord[:, 2])),
-        "about the axis": np.degrees(np.arctan2(-lifted, np.sum(chord * level, axis=1))),
-    }
-    values = {name: 100 * one / SPAN for name, one in down.items()} | angles
-    return {name: one[1:] - one[0] for name, one in values.items()}
+    values = {name: -100 * found.position(node, "z") / SPAN for name, node in places.items()}
+    chord = jax.vmap(fm.rotations.to_matrix)(found.at(f"{tip}.rotation"))[:, :, 0]
+    values["twist"] = jnp.degrees(jnp.arcsin(-chord[:, 2]))
+    return {name: value[1:] - value[0] for name, value in values.items()}
 
 
 def composite(bending: Any = 0.983, coupling: float = -522.0) -> fm.Model:

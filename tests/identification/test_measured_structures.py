@@ -1,6 +1,7 @@
 """Structures that were built and measured: what the model says of them, and what the measurements say of the model."""
 
 import importlib.util
+import json
 from pathlib import Path
 
 import jax
@@ -17,6 +18,8 @@ assert SPEC is not None
 assert SPEC.loader is not None
 structures = importlib.util.module_from_spec(SPEC)
 SPEC.loader.exec_module(structures)
+# Of benchmarks/measured_fits.py.
+FITS = json.loads((PLACE.parent / "results/measured_fits.json").read_text(encoding="utf-8"))
 
 INCH = 0.0254
 GRAVITY = 9.81
@@ -140,6 +143,18 @@ def test_swept_strip_turning(sweep):
     assert np.all((flapping[1:] > -0.1) & (flapping[1:] < 0.0))
     above = found[2, 3:] / structures.COUPLED[sweep] - 1
     assert np.all((above > -0.06) & (above < 0.065))
+    # The kept fit of this sweep excludes the drawing.
+    fit = FITS[f"strip, sweep {sweep}"]
+    modulus, offset = (fit[name][0] for name in ("modulus [Pa]", "offset [inches]"))
+    fitted = structures.strip(sweep, modulus, offset * structures.INCH)
+    measured = np.array(structures.FLAPPING[sweep])
+    values = np.array([structures.out_of_plane(fitted, rpm)[:3] for rpm in structures.RPM])
+    square = np.sum(((values - measured) / (0.01 * measured + 0.05)) ** 2)
+    assert square == pytest.approx(fit["chi-squared"], rel=1e-3)
+    assert fit["modulus [Pa]"][1] > 73.08e9
+    assert fit["offset [inches]"][1] > 2.5
+    assert fit["thickness [inches]"][1] > 0.063
+    assert fit["length [inches]"][2] < 37.5
 
 
 @pytest.mark.slow
@@ -256,3 +271,26 @@ def test_wing_with_fitted_places_of_its_masses():
     for lever, least in ((-0.124, 0.45), (0.136, 0.9)):
         _, twist = off("with skin", mass, structures.SPAN * percent / 100, lever=lever)
         assert np.max(np.abs(twist - measured)) > least
+
+
+@pytest.mark.slow
+def test_no_place_of_the_masses_explains_all_readings_with_skin():
+    """REFERENCES V3-wing: one fit to all readings with skin and the vibration test, kept by measured_fits.py."""
+    fit = FITS["wing with skin, all"]
+    place = {name: values[0] for name, values in fit["fitted"].items()}
+    mass, percent = np.array(structures.WING["with skin"]["at_mid_chord"]).T
+    found = structures.wing_loaded(
+        "with skin",
+        structures.MID_CHORD,
+        mass,
+        clamp=place["clamp [rad/(N m)]"],
+        weight=True,
+        outboard=place["outboard at mid-chord [m]"],
+    )
+    computed = 10 * structures.SPAN * np.asarray(found["at mid-chord"]) - place["zero at mid-chord [mm]"]
+    differences = computed / (10 * structures.SPAN * percent) - 1
+    np.testing.assert_allclose(100 * differences, fit["less"]["at mid-chord [%]"], atol=1e-3)
+    # Readings in steps of 0.5 mm; the fit differs by several steps, and its clamp contradicts the vibration test.
+    assert fit["misfit [steps]"] > 2
+    assert np.max(np.abs(differences[1:])) > 0.05
+    assert fit["first frequency [Hz]"] < 0.95 * structures.WING["frequencies_measured"]["out of plane"][0]
