@@ -40,14 +40,17 @@ def obstacle(topology: Topology, driven: tuple[Driven, ...]) -> str | None:
 
 
 class ElementTangent(NamedTuple):
-    """:class:`.protocol.Tangent` by element matrices: coordinates of an element, then its constrained deformations."""
+    """:class:`.protocol.Tangent` by element matrices: coordinates of an element, then its constrained deformations.
+
+    `still` is zero for each multiplier.
+    """
 
     order: SparseOrder
     by_z: tuple[Float[Array, "elements k k"], ...]
     by_w: tuple[Float[Array, "elements k k"], ...]
     by_u: tuple[Float[Array, "elements k k"], ...]
     by_t: Float[Array, "r"] | None
-    held: int
+    still: Float[Array, "m"]
 
     @property
     def mass(self) -> None:
@@ -63,8 +66,8 @@ class ElementTangent(NamedTuple):
 
     def product(self, w: Float[Array, "n"], u: Float[Array, "n"]) -> Float[Array, "r"]:
         """R_w w + R_u u, (n + m,)."""
-        none = jnp.zeros(self.held)
-        return self.order.product(self.by_w, jnp.append(w, none)) + self.order.product(self.by_u, jnp.append(u, none))
+        w, u = jnp.append(w, self.still), jnp.append(u, self.still)
+        return self.order.product(self.by_w, w) + self.order.product(self.by_u, u)
 
 
 class ChainForm(CoordinatesForm):
@@ -126,7 +129,7 @@ class ChainForm(CoordinatesForm):
             tangent_pieces.append((by_z, by_w, by_u))
         by_t = by_time(self, t, state, z) if self.driven else None
         by_z, by_w, by_u = (tuple(element_matrices) for element_matrices in zip(*tangent_pieces, strict=True))
-        return ElementTangent(self.order, by_z, by_w, by_u, by_t, self.held.shape[0])
+        return ElementTangent(self.order, by_z, by_w, by_u, by_t, jnp.zeros(self.held.shape))
 
     def _corner(self, block: PreparedBlock, rows: Float[Array, "elements d c"]):
         """Return the corner for redundant constraints, as in :meth:`CoordinatesForm.system`."""

@@ -4,7 +4,7 @@ The system is u' = w, w' = a, 0 = R(t, u, w, (a, lambda)). Elimination of the fi
 linear system of the size of R, ``R_z + h g R_w + (h g)^2 R_u``, which is factorised once a step.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import jax
@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from ..compilation.compile import traced_once
 from .protocol import Equations, MotionState
 
 
@@ -134,15 +135,48 @@ class StepResult(NamedTuple):
         end: State at its end, before projection onto the constraints.
         z: Accelerations and multipliers there.
         error: Estimated error of the state.
-        mass: Mass matrix at its begin; None without a dense one.
         bows: Deviation of z from the straight line within the step, see :func:`z_within`.
+        tangent: Derivatives of the residual at its begin.
+        increments: Of u, w and z by each stage.
     """
 
     end: MotionState
     z: Float[Array, "r"]
     error: MotionState
-    mass: Float[Array, "n n"] | None
     bows: Float[Array, "3 r"]
+    tangent: Any
+    increments: Float[Array, "stages k"]
+
+    @property
+    def mass(self) -> Float[Array, "n n"] | None:
+        """Mass matrix at its begin; None without a dense one."""
+        return self.tangent.mass
+
+
+def _split_row(row: Float[Array, "k"], n: int) -> tuple[Array, Array, Array]:
+    """Parts of u, w and z."""
+    return row[:n], row[n : 2 * n], row[2 * n :]
+
+
+def _stage(
+    i: Array,
+    t: Float[Array, ""],
+    h: Float[Array, ""],
+    state: MotionState,
+    z: Float[Array, "r"],
+    increments: Float[Array, "stages k"],
+) -> tuple[tuple[Array, MotionState, Array], Array, tuple[Array, Array]]:
+    """Time, state and accelerations of a stage, its weight of the rate by time, and right sides of its equations."""
+    n = state.u.shape[0]
+    # Motions of a batch that have ended take steps of zero length; these still need finite derivatives.
+    rate = 1.0 / jnp.where(h == 0, 1.0, h)
+    row = jax.lax.dynamic_index_in_dim(jnp.asarray(RODAS5P.rows), i, keepdims=False)
+    coefficients, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
+    # Sums of u, w and z over earlier stages.
+    (du, dw, dz), (cu, cw, _) = (_split_row(sums, n) for sums in coefficients @ increments)
+    at, z_stage = MotionState(state.u + du, state.w + dw, state.memory), z + dz
+    # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
+    return (t + alpha * h, at, z_stage), gamma, (at.w + cu * rate, z_stage[:n] + cw * rate)
 
 
 def rosenbrock_step(
@@ -164,37 +198,102 @@ def rosenbrock_step(
     weights = np.vstack([RODAS5P.m, RODAS5P.error, RODAS5P.within])
     tangent = equations.tangent(t, state, z)
     hg = h * RODAS5P.gamma
-    # Motions of a batch that have ended take steps of zero length; these still need finite derivatives.
-    rate = 1.0 / jnp.where(h == 0, 1.0, h)
     solve = tangent.solver(hg)
 
-    def split_row(row: Float[Array, "k"]):
-        return row[:n], row[n : 2 * n], row[2 * n :]
-
     def stage(i: Array, increments: Float[Array, "stages k"]):
-        row = jax.lax.dynamic_index_in_dim(rows, i, keepdims=False)
-        coefficients, alpha, gamma = row[:-2].reshape(2, -1), row[-2], row[-1]
-        # Sums of u, w and z over earlier stages.
-        (du, dw, dz), (cu, cw, _) = map(split_row, coefficients @ increments)
-        at_stage, z_stage = MotionState(state.u + du, state.w + dw, state.memory), z + dz
-        time = t + alpha * h if end is None else jnp.minimum(t + alpha * h, end)
-        r = equations.residual(time, at_stage, z_stage)
+        (time, at, z_stage), gamma, (right_u, right_w) = _stage(i, t, h, state, z, increments)
+        r = equations.residual(time if end is None else jnp.minimum(time, end), at, z_stage)
         if tangent.by_t is not None:
             r = r + gamma * h * tangent.by_t
-        # k_u/hg - k_w = right_u, k_w/hg - k_a = right_w, R_u k_u + R_w k_w + R_z k_z = -r.
-        right_u, right_w = at_stage.w + cu * rate, z_stage[:n] + cw * rate
         k_z = -solve(r + tangent.product(hg * right_w, hg * (right_u + hg * right_w)))
         k_w = hg * (k_z[:n] + right_w)
         k_u = hg * (k_w + right_u)
         return jax.lax.dynamic_update_index_in_dim(increments, jnp.concatenate([k_u, k_w, k_z]), i, 0)
 
-    rows, nothing = jnp.asarray(RODAS5P.rows), jnp.zeros((stages, 2 * n + z.shape[0]))
-    sums = weights @ jax.lax.fori_loop(0, stages, stage, nothing)
-    (du, dw, dz), (error_u, error_w, _) = map(split_row, sums[:2])
+    increments = jax.lax.fori_loop(0, stages, stage, jnp.zeros((stages, 2 * n + z.shape[0])))
+    sums = weights @ increments
+    (du, dw, dz), (error_u, error_w, _) = (_split_row(row, n) for row in sums[:2])
     error = MotionState(_finite(error_u), _finite(error_w), jnp.zeros_like(state.memory))
-    return StepResult(
-        MotionState(state.u + du, state.w + dw, state.memory), z + dz, error, tangent.mass, sums[2:, 2 * n :]
-    )
+    end_state = MotionState(state.u + du, state.w + dw, state.memory)
+    return StepResult(end_state, z + dz, error, sums[2:, 2 * n :], tangent, increments)
+
+
+class StepBegin(NamedTuple):
+    """Varied numbers of the equations, begin and length of a step, and state, accelerations and multipliers there."""
+
+    numbers: list[Any]
+    t: Float[Array, ""]
+    h: Float[Array, ""]
+    state: MotionState
+    z: Float[Array, "r"]
+
+
+def step_pulled_back(
+    whole: Callable[[list[Any]], Equations],
+    begin: StepBegin,
+    tangent: Any,
+    increments: Float[Array, "stages k"],
+    by_end: MotionState,
+    by_z: Float[Array, "r"],
+) -> StepBegin:
+    """Derivatives by the begin of a step from derivatives by its end.
+
+    The stages are solved backwards for multipliers of their equations (THEORY.md 10, eq. (10.6)). The derivative of
+    R_u k_u + R_w k_w + R_z k_z is the derivative along k of the reverse derivative of R: nothing is differentiated
+    through the tangent.
+
+    Args:
+        whole: Equations from their varied numbers.
+        tangent, increments: As in :class:`StepResult`.
+    """
+    n, hg = by_end.u.shape[0], begin.h * RODAS5P.gamma
+    solve = jax.linear_transpose(tangent.solver(hg), by_z)
+    product = jax.linear_transpose(tangent.product, by_end.w, by_end.u)
+
+    @traced_once
+    def reverse(numbers: list[Any], t: Array, state: MotionState, z: Array, multipliers: Array):
+        return jax.vjp(lambda numbers, *at: whole(numbers).residual(*at), numbers, t, state, z)[1](multipliers)
+
+    def stage(j: Array, carry: tuple[Any, ...]):
+        i = len(RODAS5P.m) - 1 - j
+        changes, by_increments, multipliers = carry
+        by_u, by_w, by_k = _split_row(by_increments[i], n)
+        (of_r,) = solve(-by_k.at[:n].add(hg * (by_w + hg * by_u)))
+        of_w, of_u = product(of_r)
+        on_u = by_u + of_u
+        on_w = by_w + of_w + hg * on_u
+        _, k_w, k_z = _split_row(increments[i], n)
+
+        def arguments(t: Array, h: Array, state: MotionState, z: Array, increments: Array):
+            at, _, (right_u, right_w) = _stage(i, t, h, state, z, increments)
+            return at, h * RODAS5P.gamma * (k_w + right_u), h * RODAS5P.gamma * (k_z[:n] + right_w)
+
+        (at, _, _), pull = jax.vjp(arguments, *begin[1:], increments)
+        of_numbers, *of_at = reverse(begin.numbers, *at, of_r)
+        *more, of_increments = pull((tuple(of_at), on_u, on_w))
+        changes = jax.tree.map(jnp.add, changes, StepBegin(of_numbers, *more))
+        return changes, by_increments + of_increments, multipliers.at[i].set(of_r)
+
+    by_sum = jnp.concatenate([by_end.u, by_end.w, by_z])
+    nothing = jax.tree.map(jnp.zeros_like, begin), RODAS5P.m[:, None] * by_sum, jnp.zeros((len(RODAS5P.m), by_z.size))
+    changes, _, multipliers = jax.lax.fori_loop(0, len(RODAS5P.m), stage, nothing)
+    gammas = RODAS5P.rows[:, -1]
+
+    def along(row: Float[Array, "k"], gamma: Float[Array, ""], multipliers: Float[Array, "r"]):
+        (k_u, k_w, k_z), (u, w, memory) = _split_row(row, n), begin.state
+
+        def moved(share: Float[Array, ""]):
+            t = begin.t if tangent.by_t is None else begin.t + share * gamma * begin.h
+            state = MotionState(u + share * k_u, w + share * k_w, memory)
+            return reverse(begin.numbers, t, state, begin.z + share * k_z, multipliers)
+
+        return jax.jvp(moved, (jnp.zeros(()),), (jnp.ones(()),))[1]
+
+    bent = jax.vmap(along)(increments, jnp.asarray(gammas), multipliers)
+    numbers, t, state, z = jax.tree.map(lambda rows: jnp.sum(rows, axis=0), bent)
+    h = jnp.zeros(()) if tangent.by_t is None else gammas @ multipliers @ tangent.by_t
+    more = StepBegin(numbers, t, h, jax.tree.map(jnp.add, state, by_end), z + by_z)
+    return jax.tree.map(jnp.add, changes, more)
 
 
 def z_within(ends: tuple[Array, Array], bows: Float[Array, "3 r"], share: Float[Array, ""]) -> Float[Array, "r"]:

@@ -13,13 +13,14 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float, Int
 
+from ..compilation.compile import traced_once
 from ..math.derivative import Varied
-from .protocol import MotionState
-from .stages import rosenbrock_step, state_within_step
+from .protocol import MotionState, Tangent
+from .stages import StepBegin, rosenbrock_step, state_within_step, step_pulled_back
 
-# Steps whose states are stored at once, some ten megabytes. For many coordinates fewer steps, with this number of
-# numbers together, but at least the last number of steps.
-STORED, NUMBERS, FEWEST = 2048, 2**24, 300
+# Steps that are stored at once, some ten megabytes. For more coordinates fewer steps, with this number of numbers
+# together, but at least the last number of steps.
+STORED, NUMBERS, FEWEST = 2048, 2**21, 100
 
 
 class Span(NamedTuple):
@@ -71,42 +72,55 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     count, edges = count + 1, jnp.concatenate([timed.t0[None], timed.t0[None], ends])
     varied = bool(parts[1].numbers)
 
-    def stepped(numbers: list[Any], state: MotionState, z: Array, t0: Array, t1: Array):
-        equations = parts[0].whole(numbers)
-        outcome = rosenbrock_step(equations, t0, t1 - t0, state, z)
-        return equations.settle(t1, outcome.end, outcome.mass), outcome.z
+    equations = parts[0].whole(numbers)
+    z = jnp.zeros(equations.unknowns)
 
-    z = jnp.zeros(parts[0].whole(numbers).unknowns)
-    size = sum(leaf.size for leaf in jax.tree.leaves((start, z)))
+    @traced_once
+    def taken(step: Array, state: MotionState, z: Array):
+        return rosenbrock_step(equations, edges[step], edges[step + 1] - edges[step], state, z)
+
+    outcome = jax.eval_shape(taken, count, start, z)
+    # Matrices element by element are too many to store: these steps are taken once more.
+    stores = isinstance(outcome.tangent, Tangent)
+    record = (start, z), (outcome if stores else None)
+    size = sum(leaf.size for leaf in jax.tree.leaves(record))
     room = min(most, max(FEWEST, min(STORED, NUMBERS // max(size, 1))))
-    stored, sparse = _rows(room, (start, z)), _put(_rows(most // room + 2, (start, z)), 0, (start, z))
+    stored, sparse = _rows(room, record), _put(_rows(most // room + 2, (start, z)), 0, (start, z))
 
     def forward(m: tuple[Any, ...]):
         step, at, stored, sparse = m
         # States that are not stored go to the last place.
         place = jnp.where(step % room == 0, step // room, -1)
-        stored, sparse = _put(stored, step % room, at), _put(sparse, place, at)
-        return step + 1, stepped(numbers, at[0], at[1], edges[step], edges[step + 1]), stored, sparse
+        outcome = taken(step, *at)
+        stored, sparse = _put(stored, step % room, (at, outcome if stores else None)), _put(sparse, place, at)
+        return step + 1, (equations.settle(edges[step + 1], outcome.end, outcome.mass), outcome.z), stored, sparse
 
     def backward(stored: Any, m: _Back):
         t0, t1 = edges[m.step], edges[m.step + 1]
-        state, z = jax.tree.map(lambda rows: rows[m.step % room], stored)
-        if varied:
-            (after, z1), pull = jax.vjp(stepped, numbers, state, z, t0, t1)
-        else:
-            (after, z1), pull = jax.vjp(lambda n, s, z: stepped(n, s, z, t0, t1), numbers, state, z)
-        step_ends = (t0, t1), (state, after), (z, z1)
+        (state, z), outcome = jax.tree.map(lambda rows: rows[m.step % room], stored)
+        outcome = outcome if stores else taken(m.step, state, z)
+
+        def settled(numbers: list[Any], t1: Array, end: MotionState):
+            return parts[0].whole(numbers).settle(t1, end, outcome.mass)
+
+        after, pull = jax.vjp(settled, numbers, t1, outcome.end)
+        step_ends = (t0, t1), (state, after), (z, outcome.z)
         by_times = None if m.edges is None else m.edges[1]
         row, (by_whole, by_times) = _over_rows(timed.times, changes, step_ends, m.row, by_times)
         by_span, (by_begin, by_end), (by_z, by_z1) = by_whole
-        of_numbers, of_state, of_z, *of_span = pull(jax.tree.map(jnp.add, m.end, (by_end, by_z1)))
+        by_after, by_z1 = jax.tree.map(jnp.add, m.end, (by_end, by_z1))
+        by_numbers, by_t1, by_outcome = pull(by_after)
+        begin = StepBegin(numbers, t0, t1 - t0, state, z)
+        of = step_pulled_back(parts[0].whole, begin, outcome.tangent, outcome.increments, by_outcome, by_z1)
+        of_span = of.t - of.h, by_t1 + of.h
         by_edges = None
         if m.edges is not None and by_times is not None:
             pair = jnp.stack([of_edge + by_edge for of_edge, by_edge in zip(of_span, by_span, strict=True)])
             pair = pair + jax.lax.dynamic_slice(m.edges[0], (m.step,), (2,))
             by_edges = jax.lax.dynamic_update_slice(m.edges[0], pair, (m.step,)), by_times
-        begin = jax.tree.map(jnp.add, (of_state, of_z), (by_begin, by_z))
-        return _Back(m.step - 1, row, begin, jax.tree.map(jnp.add, m.numbers, of_numbers), by_edges)
+        by_start = jax.tree.map(jnp.add, (of.state, of.z), (by_begin, by_z))
+        by_numbers = jax.tree.map(lambda *parts: sum(parts), m.numbers, of.numbers, by_numbers)
+        return _Back(m.step - 1, row, by_start, by_numbers, by_edges)
 
     def part(m: tuple[Any, ...]):
         limit, stored, sparse, back = m
@@ -148,7 +162,7 @@ def _by(function: Callable[..., Any], numbers: list[Any], changes: Any) -> list[
 
 
 def _rows(count: int, like: Any) -> Any:
-    return jax.tree.map(lambda leaf: jnp.zeros((count, *leaf.shape)), like)
+    return jax.tree.map(lambda leaf: jnp.zeros((count, *leaf.shape), leaf.dtype), like)
 
 
 def _put(rows: Any, place: Any, at: Any) -> Any:
