@@ -23,6 +23,7 @@ from ..model.topology import Loads, Parameters, Topology, coordinate_scales
 from ..numerical_limits import ALLOWED_STATE, LARGEST_ALIKE, SMALL_MOTION
 from ..results import RESULTS, check, or_nan
 from ..statics.configuration import configure
+from ..statics.solver_choice import up_to
 from ..statics.tangent import at_state, unknowns
 
 # Places along an element, quarters and halves included.
@@ -113,7 +114,9 @@ def bent_by_modes(model: Model, imperfection: Mapping[int, float], sparse: bool 
     if not imperfection:
         return model
     growing = _growing_from_zero(model)
-    buckled = buckling(growing, count=max(map(int, imperfection)), sparse=sparse)
+    # An error names a mode that does not exist.
+    count = up_to(max(map(int, imperfection)), growing) if sparse else None
+    buckled = buckling(growing, count=count, sparse=sparse)
     motion = sum(length * _unit_motion(buckled, int(number)) for number, length in imperfection.items())
     start = model.parameters.start
     topology = model.topology
