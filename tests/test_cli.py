@@ -192,7 +192,7 @@ STATE_SPACE = [
 ]
 
 
-@pytest.mark.slow("pf1dtre-a211-a221-b21-c1", "pf2d-a212-a222-b22-c2")
+@pytest.mark.slow("pf1dtre-a211-a221-b21-c1", "pf2d-a212-a222-b22-c2", "pf3d-a213-a223-b23-c3")
 @pytest.mark.parametrize(("name", "a21", "a22", "b2", "c"), STATE_SPACE)
 def test_printed_state_space(name, a21, a22, b2, c):
     _, data = answer(name, 9)

@@ -255,7 +255,7 @@ def test_frequencies_that_do_not_resolve_a_resonance_are_told():
     assert loop.rms() == approx(float(banded.rms()), rel=1e-2)
 
 
-@pytest.mark.slow("49.0-mass")
+@pytest.mark.slow("49.0-mass", "49.0-end")
 @pytest.mark.parametrize("pushed", ["mass", "end"])
 @pytest.mark.parametrize("stiffness", [49.0, 50.0, 64.0])
 def test_motions_without_mass_pass_on_nothing_by_round_off(stiffness, pushed):

@@ -266,6 +266,7 @@ def test_checks_of_all_beams_take_many_designs(space):
     np.testing.assert_array_equal(refused({"value": np.array([T, 2 * T, -T])}), [False, False, True])
 
 
+@pytest.mark.slow
 def test_what_a_block_refuses():
     """Its arguments are asked about in every design, also where the first cannot be, or each is built by itself."""
 

@@ -317,6 +317,7 @@ def flat_truss(bars, height):
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_force_curve_gives_the_truss_that_has_it():
     """The closed form of A7 past both limit points is the curve: of EA = 1e4 and a height of 1."""
     heights = np.array([0.8, 0.5, 0.0, -0.4, -1.1])

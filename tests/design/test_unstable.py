@@ -58,7 +58,7 @@ SPARSE = {
 }
 
 
-@pytest.mark.slow("equilibrium-False")
+@pytest.mark.slow("equilibrium-False", "equilibrium-True")
 @pytest.mark.parametrize("compiled", [False, True])
 @pytest.mark.parametrize("name", SPARSE)
 def test_a_sweep_by_sparse_factors_says_so(name, compiled):

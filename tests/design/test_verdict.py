@@ -345,6 +345,7 @@ def spring():
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_deformation_is_driven_and_let_go():
     found = fm.verdict(spring(), {"spring.e1": 0.1}, steps=1, limits={"force": 5.0})
     np.testing.assert_allclose(found.curves["force"], 100 * found.stroke - 3, rtol=1e-12)
@@ -437,6 +438,7 @@ def test_no_equilibrium_ends_the_stroke():
     assert dataclasses.asdict(found.limits[0])["name"] == "fatigue"
 
 
+@pytest.mark.slow
 def test_the_end_of_what_is_reached_is_found():
     """A rigid bar of length 1 that stands on its foot: its top cannot go further than that to either side."""
     b = fm.Builder()

@@ -91,7 +91,7 @@ def lift(turn=0.0, free=False):
 RADIUS, LENGTH, MASS, INERTIA, EA, EDA = 0.2, 1.5, 3.0, 0.05, 900.0, 7.0
 
 
-@pytest.mark.slow("0.0", "1.0")
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [0.0, 1.0, -7.0])
 def test_frequency_and_damping_of_a_mass_on_a_belt(turn):
     free = LENGTH - RADIUS * turn

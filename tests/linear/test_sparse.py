@@ -379,6 +379,7 @@ def test_round_off_of_the_highest_frequency_does_not_come_into_the_lowest():
     np.testing.assert_allclose(found[:2], np.sqrt(squares) / (2 * np.pi), rtol=2e-12)
 
 
+@pytest.mark.slow("compliance-6")
 @pytest.mark.parametrize(
     ("name", "code"),
     [

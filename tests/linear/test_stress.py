@@ -496,7 +496,7 @@ def test_the_printed_range_of_a_stress_is_over_all_points():
     assert found.summary().rows["sigma_x"].startswith(f"{low:.5g} to {high:.5g} Pa, largest in")
 
 
-@pytest.mark.slow("spectral")
+@pytest.mark.slow("spectral", "beam")
 @pytest.mark.parametrize(
     ("element", "released", "speed"),
     [(spatial.beam, (1,), 0.0), (spatial.spectral_beam(2), (7, 8), np.sqrt(LIGHT / L))],

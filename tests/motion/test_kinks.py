@@ -61,7 +61,7 @@ def thrown(gap, **how):
     return fm.simulate(thrown_at_a_stop(gap).build(), np.array([0.0, 2.0]), rtol=1e-7, **how).at("mass")[-1, 1]
 
 
-@pytest.mark.slow("reduced")
+@pytest.mark.slow("reduced", "coordinates")
 @pytest.mark.parametrize("form", ["coordinates", "reduced"])
 def test_a_stop_that_is_met_and_left_within_a_step_throws_back(form):
     """Of a free flight any step is exact, so that its error tells nothing of a stop within it."""

@@ -45,6 +45,7 @@ def cantilevers(along: str) -> str:
     return "\n".join([*first, "END", "HALT", *then, "END", "END", "VISUALIZATION", *sizes]) + "\n"
 
 
+@pytest.mark.slow
 def test_stress_of_sizes_is_that_of_beam_theory(tmp_path):
     """M c/I at the foot, M = F l, for bending along z and along y: sizes lie along local y first."""
     read = {along: fm.read_spacar(cantilevers(along)) for along in "yz"}

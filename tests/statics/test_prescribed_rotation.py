@@ -447,6 +447,7 @@ def test_moments_on_what_is_held_about_two_axes_are_refused():
         b.build()
 
 
+@pytest.mark.slow
 def test_a_support_that_an_input_turns_is_held_by_angles():
     """The ground turns about z: its acceleration pushes the bar along x by the reaction of its mass."""
     b = crank(*ABOUT_X["fixed"])

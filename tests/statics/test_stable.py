@@ -109,6 +109,8 @@ def told(model, **how):
     "8.0-True-dense",
     "8.0-True-chain with rigid pieces",
     "8.0-True-chain of columns",
+    "2.0-True-sparse",
+    "8.0-True-chain without stretch",
 )
 @pytest.mark.parametrize("way", WAYS)
 # Columns of three cubic beams buckle 3e-4 late; at twice the first load no motion is soft.

@@ -82,6 +82,7 @@ def test_an_over_constrained_mechanism_shows_its_self_stress_and_an_unfinished_o
     assert Scenes().of_count(count(fm.Builder())) is None
 
 
+@pytest.mark.slow
 def test_a_mode_keeps_its_side():
     scenes, one = Scenes(), answers()
     first = numbers(scenes.of_answers(one)["view"]["states"])
