@@ -4853,6 +4853,7 @@ FAULTS = [
         "if signal.quantity in MOTIONS:\n            # A",
         "if False:\n            # A",
         "trajectory/test_about_motion.py::test_walls_that_one_input_moves_do_so_together_but_for_a_constant_distance",
+        slow=True,
     ),
     Fault(
         "math/derivative.py",

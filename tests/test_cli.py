@@ -281,6 +281,7 @@ def test_wrong_counts(tmp_path, kinematics, code, words):
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.slow
 def test_files_appear_whole_or_not_at_all(tmp_path):
     out, saved, log = tmp_path / "a.json", tmp_path / "a.npz", tmp_path / "a.log"
     result = call("run", mechanism_path("pf2d"), "--mode", "7", "--json", out, "--save", saved, "--log", log)

@@ -176,6 +176,7 @@ def test_modes_are_told_by_nodes_and_not_by_what_lies_within_an_element():
     assert "internal" not in told
 
 
+@pytest.mark.slow
 def test_a_mode_within_an_element_is_told_by_its_deformation():
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))

@@ -76,6 +76,7 @@ def built(b: fm.Builder, release: Release, **how) -> fm.Model:
     return b.build(**how)
 
 
+@pytest.mark.slow
 def test_every_proposal_for_bricards_loop_builds_and_the_first_turns():
     found = candidates(bricard())
     hinges = {(f"hinge {i}", number) for i in range(6) for number in (2, 3)}

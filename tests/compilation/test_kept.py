@@ -454,6 +454,7 @@ def test_a_number_is_kept_of_known_functions_alone(folder):
 # -- files ----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_flipped_bit_is_noticed(folder):
     product(A, B)
     (file,) = folder.iterdir()

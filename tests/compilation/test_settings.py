@@ -34,6 +34,7 @@ def test_arguments_of_several_kinds_in_turn(compilations):
     assert len([name for name in compilations if "lambda" in name]) == 3
 
 
+@pytest.mark.slow
 def test_programs_from_disk_are_those_of_their_arguments(tmp_path):
     product = jit(linear.multiplied)
     with setting("jax_compilation_cache_dir", str(tmp_path)):

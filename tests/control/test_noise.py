@@ -165,7 +165,7 @@ def test_lines_and_jumps_of_densities_that_are_functions():
     assert jax.eval_shape(lambda centre: budget(K, centre).hertz, centre).shape < hertz.shape
 
 
-@pytest.mark.slow("<lambda>1")
+@pytest.mark.slow("<lambda>1", "<lambda>0")
 @pytest.mark.parametrize(
     "rough",
     [

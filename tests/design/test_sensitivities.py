@@ -137,6 +137,7 @@ def test_second_order_by_several_dimensions_is_the_closed_form():
     np.testing.assert_allclose(of_logarithms, np.outer(power, power) - np.diag(power), rtol=0, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_second_order_of_a_loaded_equilibrium_is_that_of_its_equation():
     """A bar of stiffness k that its spring c guides sideways: k (l - 1) y/l + c y = F with l^2 = 1 + y^2."""
 

@@ -238,6 +238,7 @@ def arch(stiffness=1e4, mass=1.0):
     return b.build()
 
 
+@pytest.mark.slow
 def test_a_drive_holds_what_snaps_through():
     found = fm.verdict(arch(), {"t.y": (-0.4, 0)}, steps=8, limits={"force": 25.0})
     y, first = 0.2 + found.stroke, np.sqrt(1 + 0.2**2)

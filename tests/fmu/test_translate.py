@@ -173,7 +173,7 @@ def functions(tmp_path_factory):
         return library, found, whole(*GIVEN)
 
 
-@pytest.mark.slow("arithmetic", "elementary", "overflow", "rounding", "whole numbers")
+@pytest.mark.slow("arithmetic", "elementary", "overflow", "rounding", "whole numbers", "truth")
 @needs_compiler
 @pytest.mark.parametrize("name", CASES)
 def test_a_primitive_is_that_of_jax(functions, name):

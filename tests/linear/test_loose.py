@@ -312,6 +312,7 @@ def test_a_negative_mass_is_refused_where_it_is_differentiated(name):
         jax.grad(asked)(-0.01)
 
 
+@pytest.mark.slow
 def test_derivative_of_a_compliance_beside_a_free_motion():
     def flexibility(factor):
         return fm.compliance(with_a_wheel(factor=factor), "mass")[0, 0]

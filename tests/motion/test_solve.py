@@ -235,7 +235,7 @@ def test_states_and_steps_are_those_of_the_solver_that_is_asked_for():
     np.testing.assert_array_equal(own.x[0], MODEL.parameters.reference)
 
 
-@pytest.mark.slow("-motion_unfinished", "-ran_away")
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("options", "code"),
     [

@@ -49,6 +49,7 @@ def test_a_pulse_after_long_rest_is_met(given):
     assert float(found.at("mass")[-1, 0]) - 1 == approx(swing(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_where_functions_change_suddenly():
     span, part = np.array([0.0, 2.0]), 2.0 / PARTS
 

@@ -315,6 +315,7 @@ def test_modes_have_their_frequency_in_the_title(guide):
     assert abs(leaf_spring[48, 0]) == approx(0.1 * LENGTH, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_buckling_and_unstable_modes_say_so(guide):
     assert plot.modes(fm.buckling(guide)).axes[0].get_title() == "buckling mode 1: λ = 78.75"
     pressed = planar_guide(force=(0, -100.0)).build()

@@ -91,6 +91,7 @@ def test_the_same_by_hand_and_after_a_round_trip(tmp_path):
     assert [model.topology.n_q for model in models] == [14, 14]
 
 
+@pytest.mark.slow
 def test_what_a_build_finds_is_written(tmp_path):
     """Of a leaf spring between a support and a body, whose names are words, in beams of a rectangle."""
     b = fm.Builder()

@@ -72,7 +72,7 @@ def test_an_input_that_moves_a_wall_is_what_the_wall_does(shaken):
     np.testing.assert_allclose(outputs_of(motion)[:, 0], -100.0 * motion.observe().e[:, 0], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.slow("law-True")
+@pytest.mark.slow
 @pytest.mark.parametrize(("right", "told"), [(away, False), (law, True)])
 def test_walls_that_one_input_moves_do_so_together_but_for_a_constant_distance(shaken, right, told):
     expected = pytest.warns(fm.FlexmbWarning, match="Input 'both' moves several coordinates together")

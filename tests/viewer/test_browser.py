@@ -268,6 +268,7 @@ def test_pointing_tells_names_and_values(page, view, modes):
     assert [float(number) for number in found.groups()] == approx(expected, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_colours_are_those_of_the_scale(page, view):
     until(page, "Boolean(v.project)")
     assert ask(page, "document.getElementById('legend-label').textContent") == view.colours.label
