@@ -143,7 +143,7 @@ INDEPENDENT = {
 
 
 @pytest.mark.slow("flexmb/spacar/README.md", "flexmb/workbench/README.md", "notebooks/README.md")
-@pytest.mark.timeout(450)
+@pytest.mark.timeout(900)
 @pytest.mark.parametrize(
     "manual", [name for name in MANUALS if any(b.language in ("python", "text") for b in blocks_of(name))]
 )
