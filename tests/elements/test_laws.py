@@ -709,9 +709,9 @@ def test_energy_of_a_rotation_is_that_of_a_rigid_body(element, data):
         start, end = [r for k, r in zip(element.nodes.values(), sample.ref, strict=True) if k.part == "position"]
         arm[: start.size] = end - start
         tensor += s.mass * length(sample) / 3 * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        if element in (planar.beam, planar.spectral_beam, planar.leaf_spring):
+        if element in (planar.beam, planar.spectral_beam, planar.leaf_spring, planar.rigid_beam, planar.rigid_body):
             tensor[2, 2] += s.Jy * length(sample)
-        elif element in (spatial.beam, spatial.warping_beam, spatial.spectral_beam, spatial.leaf_spring):
+        elif element not in (planar.truss, spatial.truss):
             frame = local_frame(arm, sample.properties["y"])
             own = np.diag([float(s.Jx), float(s.Jy), float(s.Jz)])
             own[1, 2] = own[2, 1] = s.Jyz
