@@ -1,4 +1,4 @@
-"""Fits to measured structures: ``python benchmarks/measured_fits.py [NAME ..]`` prints and keeps them.
+"""Fits to measured structures: ``python benchmarks/measured_fits.py [NAME ..]`` prints and stores them.
 
 Each NAME is the beginning of the name of a fit, such as "strip" or "wing with skin, all".
 
@@ -24,9 +24,8 @@ from scipy.stats import norm
 import flexmb as fm
 
 DRAWN = {"modulus": 73.08e9, "thickness": 0.063, "length": 37.5}
-# Steps of the readings of the wing: mean and difference of two edges, read in steps of 1 mm [mm, deg]. Frequencies of
-# the vibration test weigh 1 %.
-MILLIMETRE, DEGREES, SHARE = 1.0, np.degrees(1 / 95) / 2, 0.01
+# Deviations of the readings of the wing [mm, deg], and of the frequencies of its vibration test.
+OF_DISPLACEMENT, OF_TWIST, OF_FREQUENCY = 1.0, np.degrees(1 / 95) / 2, 0.01
 SPAN = 1e3 * structures.SPAN
 # Start, lower and upper value. "outboard": how far beyond the tip the masses hang; those at mid-chord may hang
 # elsewhere. "clamp": compliance of the root. "zero": error of the reading without mass.
@@ -52,8 +51,8 @@ WINGS = {
 def strip(sweep: int) -> dict[str, Any]:
     """Modulus [Pa] and offset [inches] of the strip from nine frequencies, with 95 % intervals, by differences.
 
-    "thickness" and "length" [inches] are what the same frequencies say with the modulus of the drawing: bending depends
-    on E t^2, and frequencies on E/L^4 and the ratio of offset and length.
+    "thickness" and "length" [inches]: values that give the same frequencies with the modulus of the drawing. Bending
+    depends on E t^2, frequencies on E/L^4 and the ratio of offset and length.
     """
     measured = np.array(structures.FLAPPING[sweep])
     deviation = 0.01 * measured + 0.05
@@ -121,16 +120,17 @@ def wing(kind: str, free: Sequence[str], middle: bool) -> dict[str, Any]:
         "at mid-chord [mm]": bent,
         "frequencies [Hz]": hertz,
     }
-    steps = dict(zip(values, (MILLIMETRE, DEGREES, MILLIMETRE, SHARE * hertz), strict=True))
+    deviations = dict(zip(values, (OF_DISPLACEMENT, OF_TWIST, OF_DISPLACEMENT, OF_FREQUENCY * hertz), strict=True))
     names = [
         name for name in values if (name != "at mid-chord [mm]" or middle) and (name != "frequencies [Hz]" or vibrates)
     ]
 
-    def in_steps(model: fm.Model, place: Any) -> Any:
+    def in_deviations(model: fm.Model, place: Any) -> Any:
         found = answers(place)
-        return jnp.concatenate([found[name] / steps[name] for name in names])
+        return jnp.concatenate([found[name] / deviations[name] for name in names])
 
-    data = fm.measured(in_steps, np.concatenate([values[name] / steps[name] for name in names]), name="readings")
+    scaled = np.concatenate([values[name] / deviations[name] for name in names])
+    data = fm.measured(in_deviations, scaled, name="readings")
     start, lower, upper = np.array([PARAMETERS[name] for name in free]).T
     model = structures.wing(kind).build()
     found = fm.fit(lambda place: model, data, {"place": start}, {"place": (lower, upper)}, scales={"place": "linear"})
@@ -148,7 +148,7 @@ def wing(kind: str, free: Sequence[str], middle: bool) -> dict[str, Any]:
     first = float(fm.frequencies(structures.wing(kind, fitted.get(CLAMP, [0.0])[0]).build(), count=1)[0])
     return {
         "fitted": fitted,
-        "misfit [steps]": found.noise,
+        "misfit": found.noise,
         "first frequency [Hz]": first,
         "less": differences | shares,
     }

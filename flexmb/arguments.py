@@ -41,8 +41,8 @@ def undifferentiated(tree: Any) -> Any:
     return jax.tree.map(lambda leaf: jax.lax.stop_gradient(leaf) if isinstance(leaf, jax.core.Tracer) else leaf, tree)
 
 
-def differences(one: Any, other: Any) -> np.ndarray:
-    """Where two arrays differ beyond round-off; nowhere if ``jax.jit`` or ``jax.vmap`` traces one of them."""
+def differs_beyond_round_off(one: Any, other: Any) -> np.ndarray:
+    """Return which entries of two arrays differ by more than round-off; none if jax.jit or jax.vmap traces a value."""
     one, other = undifferentiated((one, other))
     if not is_concrete((one, other)):
         return np.zeros(1, bool)
@@ -319,7 +319,7 @@ def check_flag(name: str, value: Any, fault: type = TypeError) -> Any:
 
 
 def check_by_name(name: str, value: Any) -> Any:
-    """Return an argument that is a dictionary; raise TypeError for another. An empty list is an empty dictionary."""
+    """Return a dictionary by name; an empty list is an empty dictionary. Raise TypeError for anything else."""
     if isinstance(value, list | tuple) and not value:
         return {}
     if not isinstance(value, Mapping):

@@ -5170,8 +5170,8 @@ FAULTS = [
     ),
     Fault(
         "motion/simulate.py",
-        "np.any(differs := differences",
-        "not np.any(differs := differences",
+        "np.any(differs := differs_beyond_round_off",
+        "not np.any(differs := differs_beyond_round_off",
         "motion/test_simulate.py -k another_length",
     ),
     Fault("design/judgement.py", "np.any(np.isnan(limit.used))", "False", "design/test_verdict.py -k let_go"),

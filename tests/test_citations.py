@@ -105,7 +105,6 @@ def wrong_files(name: str, text: str):
             yield match
 
 
-@pytest.mark.slow("wrong_keys", "wrong_tests", "wrong_files")
 @pytest.mark.parametrize("check", [wrong_sections, wrong_keys, wrong_tests, wrong_files], ids=lambda c: c.__name__)
 def test_citations(check):
     found = []

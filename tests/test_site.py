@@ -100,7 +100,7 @@ def test_pages_show_code_and_names_as_written(site):
         # Equations in TeX.
         assert "$$" not in prose, page
         assert not re.search(r"\\(?:frac|sqrt|mathrm|\()", prose), page
-    assert "<mfrac>" in (site[1] / "notebooks/01_build_guide.html").read_text(encoding="utf-8")
+    assert "<mfrac>" in (site[1] / "notebooks" / "01_build_guide.html").read_text(encoding="utf-8")
     assert "&lt;name&gt; middle" in (site[1] / "api/fm_blocks.html").read_text(encoding="utf-8")
 
 

@@ -207,8 +207,8 @@ def feedback_controller(
             )
         if is_concrete(gain) and len(wrong := np.argwhere(~np.isfinite(np.asarray(gain)))):
             raise ValueError(
-                f"The response of the controller is not finite at {float(hertz[wrong[0, 0]]):.6g} Hz, such as of an"
-                " integrator at 0 Hz. Leave this frequency out."
+                f"The response of the controller is not finite at {float(hertz[wrong[0, 0]]):.6g} Hz; an integrator has"
+                " such a response at 0 Hz. Leave out this frequency."
             )
         return gain if matrices is not None else sign * gain
 

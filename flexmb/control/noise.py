@@ -168,7 +168,7 @@ def noise_budget(
             for one output and one input. Matrices and results of functions may be traced. If the controller is a
             function, flexmb does not check the stability of the loop.
         measured: Names of the outputs that the controller reads, in its order. Default: names of the controller's
-            inputs, or all outputs if none of its names is an output's.
+            inputs, or all outputs if the controller has no name of an output.
         driven: Names of the inputs that the controller drives, in its order. Default: names of the controller's
             outputs, or all inputs.
         sign: -1 for u = -K y, as in ``control.feedback`` and :func:`flexmb.simulate` with a reference of zero; or 1.

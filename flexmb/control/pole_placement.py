@@ -121,11 +121,12 @@ def pid(
             )
     m, d, k = one_mass(_moved(plant[y_index, to]))
     w = 2 * np.pi * bandwidth
-    if abs(plant.D[y_index, to] * complex(k - m * w**2, d * w)) > 1:
+    # Not the dynamic stiffness, which vanishes at the frequency of the lowest mode.
+    if abs(plant.D[y_index, to]) * max(abs(k), abs(m) * w**2) > 1:
         warn(
-            f"At {bandwidth:g} Hz '{plant.output_labels[y_index]}' follows the modes that this controller leaves out"
-            f" more than the lowest mode, a mass of {m:.4g} (SI units) between input and output. Name an input and"
-            " an output that move with the lowest mode, or choose another bandwidth."
+            f"At {bandwidth:g} Hz the modes that this controller neglects move '{plant.output_labels[y_index]}' more"
+            f" than the lowest mode. Between input and output, the lowest mode is a mass of {m:.4g} (SI units). Name an"
+            " input and an output that move with the lowest mode."
         )
     a3, a2, a1, a0 = np.real(np.polymul([1, 2 * damping * w, w**2], np.polymul([1, slow * w], [1, fast * w])))[1:]
     if a3 * m - d == 0 or (m - d / a3) / m <= 0:

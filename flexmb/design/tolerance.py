@@ -131,8 +131,8 @@ def tolerances(
         FlexmbWarning: The second order adds more than a fifth of an answer's deviation to its mean or deviation, for
             example near two coinciding frequencies. This check changes one dimension at a time by plus and minus one
             standard deviation, and computes the derivatives there; it covers the twenty dimensions with the largest
-            shares. Sixteen random designs check all dimensions together. flexmb also warns if random designs have no
-            answer: these designs, samples, or the designs from which the error of the second order is computed.
+            shares. Sixteen random designs check all dimensions together. flexmb also warns if one of these
+            designs, a sample, or a design that checks the second order has no answer.
 
     Source:
         First-order propagation of variance: (da/dp) C (da/dp)^T. Second order, H = d2a/dp2: a + (da/dp) d + d^T H d/2
@@ -271,8 +271,8 @@ def _warn_of_curvature(
         ]
         if len(errors) < len(drawn):
             warn(
-                f"Of {len(drawn)} random designs within the tolerances {len(drawn) - len(errors)} have no answer, which"
-                " no deviation shows. Narrow the tolerances, or set samples=1000 to count such designs."
+                f"Of {len(drawn)} random designs within the tolerances {len(drawn) - len(errors)} have no answer."
+                " Deviations leave out such designs. Narrow the tolerances, or count such designs by samples=1000."
             )
         if errors:
             added = np.maximum(added, np.maximum(np.abs(np.mean(errors, axis=0)), np.std(errors, axis=0)))

@@ -89,8 +89,9 @@ def tune(
             dimensions. ``reason`` names missed targets. With `minimize` or `maximize`, the objective has two terms: the
             named answer divided by its value at the start, and half the sum of the squares. For a curve, such as forces
             over a stroke from ``fm.equilibria``, use :class:`flexmb.design.Curve`: its differences are relative to its
-            largest value. For a value of zero, also a limit or an equality, they are relative to the answer at the
-            start, or if this is zero too, to its change across the bounds.
+            largest value. If a target, limit or equality is zero, its difference is relative to the answer at the
+            start. If that answer is also zero, the difference is relative to the change of the answer across the
+            bounds. An objective has the same scale.
         limits: Lower and upper value of answers by name, None for no limit.
         equal: Values that answers must have, by name.
         scales: "log" or "linear" by name; by default logarithmic if the lower bound is positive.
@@ -285,7 +286,7 @@ def _searched(
     _check_start(of_answers, at_start, note)
     if reference is not None and reference.shape != at_start[0].shape:
         raise ValueError("Answers have different shapes in different combinations of choices. Make them the same.")
-    # An answer that is zero at the start has its change across the bounds as scale: one metre could be far too much.
+    # An answer that is zero at the start is scaled by its change across the bounds: 1 m may be far too large.
     own = np.where(at_start[0] != 0, at_start[0], np.max(np.abs(at_start[1]), axis=1, initial=0.0))
     sizes = own if reference is None else reference
     problem = make_problem(of_answers, sizes, margin=q.tolerance, **q.wanted)

@@ -355,8 +355,8 @@ class Fit(Result):
         """
         if relative := [item.name for item in self.data if item.relative]:
             raise ValueError(
-                f"Measurement '{relative[0]}' is logarithmic, so that its values are no responses. Fit other responses"
-                " by fm.fit, or measured_response without logarithmic=True."
+                f"Measurement '{relative[0]}' is logarithmic: flexmb compares logarithms of ratios to its response. Fit"
+                " other responses by fm.fit, or leave out logarithmic=True."
             )
         sets = np.atleast_2d(float_array("Sets of values", values))
         if sets.ndim != 2 or not len(sets) or sets.shape[1] != len(self.problem.measured):

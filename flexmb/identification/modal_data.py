@@ -103,14 +103,14 @@ def modes_of_response(
         ModalData. Its method ``measured`` returns a measurement for :func:`flexmb.fit`.
 
     Raises:
-        ValueError: Numbers of frequencies and responses differ. A value is zero or not finite. A response is real at
-            all frequencies. Frequencies are not positive and ascending. A deviation is not positive. There are too few
-            values for the modes.
+        ValueError: Numbers of frequencies and responses differ. A value is zero or not finite. A response is real
+            and positive at all frequencies. Frequencies are not positive and ascending. A deviation is not positive.
+            There are too few values for the modes.
         AnalysisError: flexmb finds fewer modes than wanted (not_converged).
 
     Warns:
-        FlexmbWarning: The root mean square of the differences exceeds 1.5 times the given deviations. A mode ended at a
-            bound of its search, such as the largest damping ratio of 0.5.
+        FlexmbWarning: The root mean square of the differences exceeds 1.5 times the given deviations. The search for a
+            mode ended at a bound, such as the largest damping ratio of 0.5.
 
     Source:
         Candidates: AAA, Nakatsukasa, Sete, Trefethen 2018 (SciPy). Number of modes by the Bayesian information
@@ -147,11 +147,12 @@ def modes_of_response(
     relative = np.sqrt(np.diag(covariance)).reshape(2, -1)
     frequencies, damping = np.abs(poles) / (2 * np.pi), -poles.real / np.abs(poles)
     for i in np.flatnonzero(bounded[order_of_modes]):
+        if damping[i] < 2 * LEAST_RATIO:
+            warn(f"The responses do not determine the damping of mode {i + 1}, at {frequencies[i]:.4g} Hz: it is tiny.")
+            continue
         warn(
-            f"Mode {i + 1} ended at a bound of its search, at {frequencies[i]:.4g} Hz with a damping ratio of"
-            f" {damping[i]:.4g}. Both are wrong, and their deviations too small. The search allows damping ratios from"
-            f" {LEAST_RATIO:g} to {LARGEST_RATIO_OF_MODE:g}, and 30 % about a peak. Ask for fewer `modes`, or cut the"
-            " band."
+            f"The search for mode {i + 1} ended at a bound, at {frequencies[i]:.4g} Hz with a damping ratio of"
+            f" {damping[i]:.4g}. Both and their deviations may be wrong. Ask for fewer `modes`, or cut the band."
         )
     residues = rows.residues(poles, coefficients) * poles**order
     return ModalData(
@@ -185,10 +186,10 @@ def _checked(hertz: Any, responses: Any, deviation: Any) -> tuple[np.ndarray, np
         raise ValueError(f"Row {bad[0] + 1} of {len(places)} has a value that is not finite or zero. Leave it out.")
     if not (np.all(np.diff(places) > 0) and places[0] > 0):
         raise ValueError("Frequencies must be positive and ascending.")
-    if real := np.flatnonzero(~np.any(values.imag, axis=0)).tolist():
+    if real := np.flatnonzero(~np.any(values.imag, axis=0) & np.all(values.real > 0, axis=0)).tolist():
         raise ValueError(
-            f"Response {real[0] + 1} of {values.shape[1]} is real at all frequencies. Give complex responses:"
-            " magnitudes alone do not determine modes."
+            f"Response {real[0] + 1} of {values.shape[1]} is real and positive at all frequencies, like a magnitude."
+            " Give complex responses."
         )
     if deviation is None:
         return places, values, np.abs(values)
@@ -316,7 +317,7 @@ def _chosen(
             refined.append((float(np.sum(rows.solved(more)[0] ** 2)), more, at_bound))
         if not refined:
             break
-        cost, more, at_bound = min(refined, key=lambda one: one[0])
+        cost, more, at_bound = min(refined, key=lambda candidate: candidate[0])
         numbers = len(more) * (2 + 2 * rows.values.shape[1])
         new = values * np.log(max(cost, np.finfo(float).tiny)) + numbers * np.log(values)
         if count is None and (new >= score or not _are_modes(rows, more, cost)):

@@ -202,7 +202,7 @@ def _response(key: str, name: str, entry: dict[str, Any]) -> Measured:
 
 
 def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
-    """Refuse a response of accelerations for an output that is a position, one against an axis, and the like."""
+    """Refuse a response whose quantities or directions are not those of the output and the input of the model."""
     reversed_signals = []
     for kind, port, signals in zip(
         ("output", "input"), entry["ports"], (model.labels.outputs, model.labels.inputs), strict=True
@@ -217,11 +217,12 @@ def _check_quantities(name: str, entry: Mapping[str, Any], model: Any) -> None:
         # A sensor or an actuator may have the sign of the file.
         if port.axis.startswith("-") and not signal.parts:
             reversed_signals.append((kind, port.axis, "sensor" if kind == "output" else "actuator"))
-    if len(reversed_signals) == 1:
+    # A gain may have a negative sign.
+    if len(reversed_signals) == 1 and "gain" not in entry:
         ((kind, axis, combined),) = reversed_signals
         raise ValueError(
-            f"Measurement '{name}' has an {kind} along {axis}, but an {kind} of the model is along the positive axis."
-            f" Change the sign of the response, or name a {combined} with the weight -1 in the model."
+            f"Measurement '{name}' has an {kind} along {axis}; the {kind} of the model is along the positive axis."
+            f" Give the measurement a `gain` with negative bounds, or add a {combined} with the weight -1 to the model."
         )
 
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from ..arguments import differences, is_concrete, require_double_precision
+from ..arguments import differs_beyond_round_off, is_concrete, require_double_precision
 from ..display import kind_of
 from ..math.linear_solver import DENSE, SPARSE, LinearSolver
 from ..mechanics.loads import load_factors_of
@@ -96,7 +96,7 @@ def check_state(at: Any, model: Model, function: str) -> None:
     numbers = [(source.parameters.reference, source.parameters.properties) for source in (of_state, model)]
     (ours, shape), (theirs, their_shape) = (jax.tree_util.tree_flatten_with_path(part) for part in numbers)
     pairs = [(a, b) for (path, a), (_, b) in zip(ours, theirs, strict=False) if not BEARS.intersection(map(_key, path))]
-    if shape != their_shape or any(np.any(differences(*pair)) for pair in pairs):
+    if shape != their_shape or any(np.any(differs_beyond_round_off(*pair)) for pair in pairs):
         raise ValueError(
             f"Argument `at` of fm.{function} belongs to a model with other dimensions. Give that model, or a state of"
             " this model."

@@ -13,7 +13,15 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, ArrayLike, Float
 
-from ..arguments import as_floats, checked_times, computed, differences, is_concrete, short_repr, undifferentiated
+from ..arguments import (
+    as_floats,
+    checked_times,
+    computed,
+    differs_beyond_round_off,
+    is_concrete,
+    short_repr,
+    undifferentiated,
+)
 from ..compilation.compile import jit_beside_options, unguarded
 from ..compilation.program import captured
 from ..errors import AnalysisError, ModelError, warn
@@ -511,7 +519,7 @@ def _check_same_undeformed(model: Model, of_state: Model | None) -> None:
     """
     if of_state is None:
         return
-    if np.any(differs := differences(of_state.parameters.reference, model.parameters.reference)):
+    if np.any(differs := differs_beyond_round_off(of_state.parameters.reference, model.parameters.reference)):
         raise ModelError(
             "Argument `initial` is a state of a mechanism with other undeformed positions: it differs in"
             f" {model.labels.x[int(np.argmax(differs))]}. Give a state of this model."

@@ -8,6 +8,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+import scipy.stats
 
 import flexmb as fm
 from flexmb import planar, spatial
@@ -143,18 +144,14 @@ def test_swept_strip_turning(sweep):
     assert np.all((flapping[1:] > -0.1) & (flapping[1:] < 0.0))
     above = found[2, 3:] / structures.COUPLED[sweep] - 1
     assert np.all((above > -0.06) & (above < 0.065))
-    # The kept fit of this sweep excludes the drawing.
+    # Modulus and offset of the stored fit of this sweep describe the measurements; those of the drawing are excluded.
     fit = FITS[f"strip, sweep {sweep}"]
     modulus, offset = (fit[name][0] for name in ("modulus [Pa]", "offset [inches]"))
     fitted = structures.strip(sweep, modulus, offset * structures.INCH)
     measured = np.array(structures.FLAPPING[sweep])
     values = np.array([structures.out_of_plane(fitted, rpm)[:3] for rpm in structures.RPM])
-    square = np.sum(((values - measured) / (0.01 * measured + 0.05)) ** 2)
-    assert square == pytest.approx(fit["chi-squared"], rel=1e-3)
-    assert fit["modulus [Pa]"][1] > 73.08e9
-    assert fit["offset [inches]"][1] > 2.5
-    assert fit["thickness [inches]"][1] > 0.063
-    assert fit["length [inches]"][2] < 37.5
+    square, drawn = (np.sum(((hertz - measured) / (0.01 * measured + 0.05)) ** 2) for hertz in (values, found[:, :3]))
+    assert drawn > square + scipy.stats.chi2.ppf(0.95, 2)
 
 
 @pytest.mark.slow
@@ -275,7 +272,7 @@ def test_wing_with_fitted_places_of_its_masses():
 
 @pytest.mark.slow
 def test_no_place_of_the_masses_explains_all_readings_with_skin():
-    """REFERENCES V3-wing: one fit to all readings with skin and the vibration test, kept by measured_fits.py."""
+    """REFERENCES V3-wing: one fit to all readings with skin and the vibration test, stored by measured_fits.py."""
     fit = FITS["wing with skin, all"]
     place = {name: values[0] for name, values in fit["fitted"].items()}
     mass, percent = np.array(structures.WING["with skin"]["at_mid_chord"]).T
@@ -289,8 +286,9 @@ def test_no_place_of_the_masses_explains_all_readings_with_skin():
     )
     computed = 10 * structures.SPAN * np.asarray(found["at mid-chord"]) - place["zero at mid-chord [mm]"]
     differences = computed / (10 * structures.SPAN * percent) - 1
-    np.testing.assert_allclose(100 * differences, fit["less"]["at mid-chord [%]"], atol=1e-3)
-    # Readings in steps of 0.5 mm; the fit differs by several steps, and its clamp contradicts the vibration test.
-    assert fit["misfit [steps]"] > 2
+    # Wanted are 3 % and 2 % of the frequencies.
     assert np.max(np.abs(differences[1:])) > 0.05
-    assert fit["first frequency [Hz]"] < 0.95 * structures.WING["frequencies_measured"]["out of plane"][0]
+    clamped = structures.wing("with skin", place["clamp [rad/(N m)]"]).build()
+    assert (
+        float(fm.frequencies(clamped, count=1)[0]) < 0.95 * structures.WING["frequencies_measured"]["out of plane"][0]
+    )

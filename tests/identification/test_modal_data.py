@@ -78,7 +78,7 @@ def test_wrong_responses_are_named():
         modes_of_response(HERTZ[::-1], clean)
     with pytest.raises(ValueError, match="A deviation is -1"):
         modes_of_response(HERTZ, clean, -1.0)
-    with pytest.raises(ValueError, match=r"Response 1 of .* is real at all frequencies"):
+    with pytest.raises(ValueError, match=r"Response 1 of .* is real and positive at all frequencies"):
         modes_of_response(HERTZ, np.abs(clean))
     with pytest.raises(ValueError, match="do not determine 3 modes"):
         modes_of_response(HERTZ[:8], clean[:8, :1], modes=3)
@@ -86,13 +86,27 @@ def test_wrong_responses_are_named():
         modes_of_response(HERTZ, clean, quantity="force")  # type: ignore
 
 
-@pytest.mark.parametrize(("ratio", "text"), [(0.6, "damping ratio of 0.5"), (0.0, "damping ratio of 1e-08")])
+@pytest.mark.parametrize(
+    ("ratio", "text"),
+    [
+        (0.6, "The search for mode 1 ended at a bound, .* damping ratio of 0.5"),
+        (0.0, "do not determine the damping of mode 1, at 25.46 Hz"),
+    ],
+)
 def test_a_mode_at_a_bound_of_its_search_is_told(ratio, text):
     """One oscillator that is damped more than a mode may be, or not at all, beside an ordinary one."""
     s = 2j * np.pi * HERTZ
     clean = sum(1 / (s**2 + 2 * z * w * s + w**2) for z, w in ((ratio, 160.0), (0.02, 400.0)))
-    with pytest.warns(fm.FlexmbWarning, match=rf"Mode 1 ended at a bound of its search, .* {text}"):
+    with pytest.warns(fm.FlexmbWarning, match=text):
         modes_of_response(HERTZ, noisy(clean, 1e-3, 3), modes=2)
+
+
+@pytest.mark.filterwarnings("ignore:The responses do not determine the damping")
+def test_real_responses_without_damping_have_modes():
+    """Unlike a magnitude, the receptance of an undamped mechanism changes its sign at each resonance."""
+    clean = sum(1 / (w**2 - (2 * np.pi * HERTZ) ** 2) for w in (160.0, 400.0))
+    found = modes_of_response(HERTZ, clean, modes=2)
+    np.testing.assert_allclose(2 * np.pi * found.hertz, (160.0, 400.0), rtol=1e-6)
 
 
 def test_what_modes_do_not_explain_is_told():
