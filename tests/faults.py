@@ -2614,6 +2614,12 @@ FAULTS = [
         slow=True,
     ),
     Fault("elements/leaf.py", "- self.beyond / length", "", "elements/test_leaf.py -k as_one_piece"),
+    Fault(
+        "elements/leaf.py",
+        "jnp.minimum(layer, longest)",
+        "layer",
+        "elements/test_leaf.py -k are_independent",
+    ),
     Fault("elements/leaf.py", "0.5 + 0.5 * self.clamped", "0.5", "elements/test_leaf.py -k whole_of_a_short"),
     Fault(
         "build/clamps.py",

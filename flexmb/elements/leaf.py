@@ -11,6 +11,7 @@ Planar (``leaf_planar``) and spatial (``leaf_spatial``) leaf springs are spectra
 """
 
 import dataclasses
+import math
 from collections.abc import Sequence
 from functools import partial
 from typing import Any
@@ -50,6 +51,8 @@ Clamped = tuple[bool, bool] | bool
 PARTS = 10
 # Relative increase of the compliance in sideways bending by slanted edges, over the squared slope of the width.
 IN_PLANE = 0.30
+# Least size of the part of a decaying function that polynomials of a lower degree than ``order`` cannot represent.
+DISTINCT = 1e-3
 # Keeps roots smooth at zero curvature, and changes no digit.
 TINY = 1e-12
 
@@ -173,6 +176,11 @@ class Leaf(Sheared):
         first, last = jnp.sqrt(warps / twists) / length
         return first, last
 
+    def _fading_over(self, order: int, length: Any) -> list[Scalar]:
+        """Return :meth:`layers`, at most so long that the functions that decay over them are no polynomials."""
+        longest = (DISTINCT * math.factorial(order)) ** (-1 / order) / 4
+        return [jnp.minimum(layer, longest) for layer in self.layers(length)]
+
     def _at_ends(self, length: Any) -> list[Rectangle]:
         """Rectangles at the first end and at the last; one rectangle if the section does not vary."""
         return [self.rectangle(place, length) for place in ((0.0, 1.0) if self.section.varies else (0.0,))]
@@ -275,14 +283,14 @@ class Leaf(Sheared):
         Returns (n, order + 2) [-]; the last two columns belong to the warping of the first end and of the last.
         Source: THEORY.md 2, eq. (2.24).
         """
-        layers = self.layers(length)
+        layers = self._fading_over(order, length)
         base, ends = (strains(order, self.plain(), at, length, ("GIt",))[:, 0] for at in (places, ENDS))
         fading = jnp.stack([_fading(at, layer)[0] for at, layer in zip((places, 1 - places), layers, strict=True)], 1)
         return jnp.concatenate([base - fading @ ends, fading], axis=1)
 
     def twist_slopes(self, order: int, places: np.ndarray, length: Any) -> Float[Array, "n c"]:
         """Return the slopes of :meth:`twist` by the place, (n, order + 2) [-]."""
-        first, last = self.layers(length)
+        first, last = self._fading_over(order, length)
         if self.section.varies:
             at = jnp.asarray(places)
             shapes = partial(strains, order, self.plain(), length=length, names=("GIt",))

@@ -15,7 +15,7 @@ import flexmb as fm
 from flexmb import planar, spatial
 from flexmb.build.clamps import End, as_before
 from flexmb.elements.bent_strip import curving
-from flexmb.elements.leaf import Leaf
+from flexmb.elements.leaf import Leaf, flags_and_distances
 
 STEEL = fm.Material(E=210e9, G=210e9 / 2.6, rho=7850.0, alpha=11.5e-6)
 LEAF = fm.Rectangle(0.018, 0.5e-3, STEEL)
@@ -223,6 +223,39 @@ def test_divided_leaf_spring_beside_solid_elements(pieces):
     b.inertia(f"n{pieces}", (1e-9, 0, 0, 1e-9, 0, 1e-9))
     found = 1 / np.diag(np.asarray(fm.compliance(b.build(), f"n{pieces}")))
     np.testing.assert_allclose(found, [6.4659e7, 9.1118e6, 1687.37, 1.36672, 0.503617, 4779.91], rtol=0.0125)
+
+
+@pytest.mark.slow
+def test_a_leaf_spring_cut_near_its_clamp_twists_far_as_one_piece():
+    """The first piece is as long as its twist takes to build up, so that (2.24) is nearly a polynomial."""
+
+    def turn(places):
+        b = fm.Builder()
+        for i, place in enumerate(places):
+            b.node(f"n{i}", (place, 0, 0))
+        section = fm.Rectangle(0.02, 0.5e-3, STEEL)
+        for i in range(len(places) - 1):
+            b.add(spatial.leaf_spring, f"n{i}", f"n{i + 1}", section=section, y=(0, 1, 0), order=7)
+        b.fix("n0")
+        b.moment(f"n{len(places) - 1}", (0.5, 0, 0))
+        found = fm.equilibrium(b.build())
+        assert found.iterations < 15
+        return np.asarray(found.rotation(f"n{len(places) - 1}"))
+
+    # The pieces share no warping strain beyond (2.24), which differs by its polynomials alone.
+    np.testing.assert_allclose(turn([0, 0.005, 0.1]), turn([0, 0.1]), rtol=5e-4, atol=1e-12)
+
+
+@pytest.mark.parametrize("order", [3, 6, 8])
+def test_strains_of_twist_of_a_short_piece_are_independent(order):
+    """Beside polynomials of the same degree, functions that decay over a longer distance are polynomials themselves."""
+    leaf = Leaf(fm.Rectangle(0.02, 0.5e-3, STEEL), *flags_and_distances(jnp.array([1.0, 0.0])))
+    places = np.polynomial.legendre.leggauss(20)[0] / 2 + 0.5
+    sizes = np.linalg.svd(np.asarray(leaf.twist(order, places, 0.005)))[1]
+    # 1e-3 of a decaying function, shared by up to eight polynomials.
+    assert sizes[-1] > 1e-5 * sizes[0]
+    # A leaf spring that is long enough keeps the exact functions.
+    np.testing.assert_array_equal(leaf._fading_over(order, 0.1), leaf.layers(0.1))
 
 
 @pytest.mark.slow
