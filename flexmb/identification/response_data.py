@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 
 from ..control.frequency_response import frequency_response
 from ..design.designs import float_array
+from ..errors import warn
 from .measurement import Measured, measured
 
 
@@ -66,6 +67,11 @@ def measured_response(
         )
     if logarithmic and np.any(response == 0):
         raise ValueError(f"Measurement '{name}' has a response of zero, which has no logarithm: leave it out.")
+    if not np.any(response.imag) and np.all(response.real > 0):
+        warn(
+            f"Measurement '{name}' is real and positive at all frequencies, like a magnitude. flexmb compares complex"
+            " responses: give real and imaginary parts."
+        )
     fitted = [text for text in (loss_factor, gain, delay) if isinstance(text, str)]
 
     def answer(model: Any, **parameters: Any) -> Float[Array, "2*n_f"]:
@@ -87,7 +93,7 @@ def measured_response(
 
     parts, scatter = np.concatenate([response.real, response.imag]), deviation
     if deviation is not None:
-        scatter = np.broadcast_to(np.asarray(deviation, float), places.shape)
+        scatter = np.broadcast_to(float_array(f"Measurement '{name}': deviations", deviation), places.shape)
         scatter = np.tile(scatter / np.abs(response) if logarithmic else scatter, 2)
     if logarithmic:
         parts = np.zeros_like(parts)

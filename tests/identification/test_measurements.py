@@ -99,6 +99,14 @@ def test_a_mode_beyond_the_last_is_refused():
         fm.fit(lambda left: carts(left, 100.0, 1e-3), data, {"left": 100.0}, {"left": (10, 1000)})
 
 
+def test_a_magnitude_and_a_complex_deviation_are_no_parts_of_a_response():
+    hertz, response = np.array([1.0, 2.0]), np.array([1 - 1j, -0.5 - 0.1j])
+    with pytest.warns(fm.FlexmbWarning, match="'response' is real and positive at all frequencies, like a magnitude"):
+        fm.measured_response(hertz, np.abs(response), 0.1)
+    with pytest.raises(ValueError, match="'response': deviations"):
+        fm.measured_response(hertz, response, 0.1 * response)
+
+
 @pytest.mark.parametrize("logarithmic", [False, True])
 def test_a_response_gives_stiffness_damping_gain_and_delay(logarithmic):
     truth = {"stiffness": 200.0, "damping": 1.0, "gain": 1.1, "delay": 2e-3}
