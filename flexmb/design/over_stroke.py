@@ -15,10 +15,10 @@ from ..compilation.compile import jit
 from ..display import listed, quantity_text
 from ..elements import spatial
 from ..elements.nodes import ROTATION3
-from ..errors import AnalysisError, ModelError, heard
+from ..errors import AnalysisError, BeamTheoryWarning, ModelError, heard, warn
 from ..linear.compliance import compliance
 from ..linear.modes import frequencies
-from ..linear.stress import Location, Stress, stress
+from ..linear.stress import WITHOUT_WARPING, Location, Stress, stress
 from ..math.linear import factorise, is_positive_definite
 from ..math.rotation import rotation_since
 from ..mechanics.loads import has_loads
@@ -180,7 +180,13 @@ class StrokeQuestions:
 
     def places(self) -> tuple[Location, ...]:
         """Place of the largest stress at each stroke."""
-        return tuple(_stress(self.at[s]).where for s in sorted(self.at)) if "stress" in self.questions else ()
+        if "stress" not in self.questions:
+            return ()
+        with heard() as texts:
+            found = tuple(stress(at.held.model, at=at.held).where for _, at in sorted(self.at.items()))
+        for text in dict.fromkeys(text for text in texts if WITHOUT_WARPING in text):
+            warn(text, BeamTheoryWarning)
+        return found
 
     def stable(self, how: str) -> np.ndarray:
         """Whether it is stable at each stroke, "held" or "free", (states,)."""

@@ -72,6 +72,9 @@ def verdict(
     Returns:
         Verdict with stroke (states,) [m or rad] and curves by name, (states,) [their units].
 
+    Warns:
+        BeamTheoryWarning: The stress leaves out normal stress of restrained warping, as for :func:`flexmb.stress`.
+
     Raises:
         ModelError: The driven coordinate does not exist, is not named, or cannot move.
         ValueError: A stroke or a limit is wrong, or a limit has no curve.

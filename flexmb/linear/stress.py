@@ -39,6 +39,8 @@ PLACES, PLACES_OF_SERIES = 5, 33
 PARTS = 64
 # Share of the stress of a torque in the largest stress from which missing stress of warping is a warning.
 SHARE_OF_TORQUE = 0.1
+# Part of a warning, by which others find it.
+WITHOUT_WARPING = "Its stress leaves out the normal stress of restrained warping"
 RESULTANTS = ("normal force", "shear force y", "shear force z", "torque", "bending moment y", "bending moment z")
 
 
@@ -652,8 +654,8 @@ def _warn_of_warping(model: Model, stresses: Stress) -> None:
                     twisted.append(repr(name))
     if twisted:
         warn(
-            f"A torque acts on element {listed(twisted)}. Its stress leaves out the normal stress of restrained"
-            " warping, which exceeds its shear stress near clamped ends. A spatial.leaf_spring counts both.",
+            f"A torque acts on element {listed(twisted)}. {WITHOUT_WARPING}, which exceeds its shear stress near"
+            " clamped ends. A spatial.leaf_spring counts both.",
             BeamTheoryWarning,
         )
 

@@ -534,6 +534,20 @@ def test_a_stroke_about_a_global_axis(prescribed):
 
 
 @pytest.mark.slow
+def test_a_verdict_warns_of_stress_without_restrained_warping():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    material = fm.Material(E=210e9, nu=0.3, rho=7850, strength=1e9)
+    strip = fm.Rectangle(0.018, 0.5e-3, material, shear=True, warping_length=0.1)
+    b.add(spatial.beam, "foot", "tip", name="strip", section=strip, y=(0, 1, 0))
+    b.fix("foot")
+    b.body("tip", 0.1, inertia=(1e-4, 0, 0, 1e-4, 0, 1e-4))
+    with pytest.warns(fm.BeamTheoryWarning, match="torque acts on element 'strip'. Its stress leaves out"):
+        fm.verdict(b.build(), {"tip.rx": 0.1}, steps=1, count=1)
+
+
+@pytest.mark.slow
 def test_progress_begins_before_the_first_state_and_ends_with_the_last(monkeypatch, capsys):
     seen = []
     fm.verdict(guide(), 2e-3, steps=2, progress=lambda done, total: seen.append((done, total)))
