@@ -107,9 +107,9 @@ class Integrated(NamedTuple):
     jumped: Bool[Array, ""] | bool = False
 
 
-def _by_options(integrator: Integrator, jumps: Any) -> bool:
+def _by_options(integrator: Integrator) -> bool:
     """Whether diffrax differentiates by its adjoint."""
-    options = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event, jumps)
+    options = (integrator.solver, integrator.controller, integrator.adjoint, integrator.event)
     return any(option is not None for option in options)
 
 
@@ -129,7 +129,7 @@ def _solved(
     from .solve import solve
 
     parts = FIRST_OF_SAMPLE if isinstance(problem.feedback, Sampled) else FIRST
-    if _by_options(integrator, problem.jumps):
+    if _by_options(integrator):
         adjoint = diffrax.RecursiveCheckpointAdjoint() if integrator.adjoint is None else integrator.adjoint
         return solve(equations, span, start, integrator, before, parts, adjoint=adjoint, every=True)[0]
 
@@ -215,7 +215,7 @@ def _either(function: Callable[..., Integrated], ahead: Callable[..., Any]) -> C
     asked, stepped = jit_beside_options(function), jit_beside_reverse(function, ahead, ONCE)
 
     def run(problem: Problem, integrator: Integrator, *more: Any) -> Integrated:
-        return (asked if _by_options(integrator, problem.jumps) else stepped)(problem, integrator, *more)
+        return (asked if _by_options(integrator) else stepped)(problem, integrator, *more)
 
     return run
 

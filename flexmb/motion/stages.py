@@ -179,6 +179,11 @@ def _stage(
     return (t + alpha * h, at, z_stage), gamma, (at.w + cu * rate, z_stage[:n] + cw * rate)
 
 
+def not_after(t: Float[Array, ""], end: Any) -> Float[Array, ""]:
+    """A time, or `end` if that is earlier; its derivative is the derivative of the time. None: no end."""
+    return t if end is None else t - jax.lax.stop_gradient(jnp.maximum(t - end, 0.0))
+
+
 def rosenbrock_step(
     equations: Equations,
     t: Float[Array, ""],
@@ -202,7 +207,7 @@ def rosenbrock_step(
 
     def stage(i: Array, increments: Float[Array, "stages k"]):
         (time, at, z_stage), gamma, (right_u, right_w) = _stage(i, t, h, state, z, increments)
-        r = equations.residual(time if end is None else jnp.minimum(time, end), at, z_stage)
+        r = equations.residual(not_after(time, end), at, z_stage)
         if tangent.by_t is not None:
             r = r + gamma * h * tangent.by_t
         k_z = -solve(r + tangent.product(hg * right_w, hg * (right_u + hg * right_w)))
@@ -235,6 +240,7 @@ def step_pulled_back(
     increments: Float[Array, "stages k"],
     by_end: MotionState,
     by_z: Float[Array, "r"],
+    end: Any = None,
 ) -> StepBegin:
     """Derivatives by the begin of a step from derivatives by its end.
 
@@ -245,6 +251,7 @@ def step_pulled_back(
     Args:
         whole: Equations from their varied numbers.
         tangent, increments: As in :class:`StepResult`.
+        end: As for :func:`rosenbrock_step`.
     """
     n, hg = by_end.u.shape[0], begin.h * RODAS5P.gamma
     solve = jax.linear_transpose(tangent.solver(hg), by_z)
@@ -265,8 +272,12 @@ def step_pulled_back(
         _, k_w, k_z = _split_row(increments[i], n)
 
         def arguments(t: Array, h: Array, state: MotionState, z: Array, increments: Array):
-            at, _, (right_u, right_w) = _stage(i, t, h, state, z, increments)
-            return at, h * RODAS5P.gamma * (k_w + right_u), h * RODAS5P.gamma * (k_z[:n] + right_w)
+            (time, *at), _, (right_u, right_w) = _stage(i, t, h, state, z, increments)
+            return (
+                (not_after(time, end), *at),
+                h * RODAS5P.gamma * (k_w + right_u),
+                h * RODAS5P.gamma * (k_z[:n] + right_w),
+            )
 
         (at, _, _), pull = jax.vjp(arguments, *begin[1:], increments)
         of_numbers, *of_at = reverse(begin.numbers, *at, of_r)

@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float, Int
+import numpy as np
+from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import traced_once
 from ..math.derivative import Varied
 from .protocol import MotionState, Tangent
-from .stages import StepBegin, rosenbrock_step, state_within_step, step_pulled_back
+from .stages import StepBegin, not_after, rosenbrock_step, state_within_step, step_pulled_back
 
 # Steps that are stored at once, some ten megabytes. For more coordinates fewer steps, with this number of numbers
 # together, but at least the last number of steps.
@@ -66,18 +67,21 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
     are the ends of the kept steps, `changes` derivatives by the states in rows.
     """
     _, timed, start = (part.whole(part.numbers) for part in parts)
-    numbers, most = parts[0].numbers, ends.shape[0]
-    count = jnp.sum(jnp.isfinite(ends))
-    # A step of zero length comes first: it computes accelerations and multipliers at the start.
-    count, edges = count + 1, jnp.concatenate([timed.t0[None], timed.t0[None], ends])
+    numbers = parts[0].numbers
+    edges, ends_of_steps = _edges(timed, timed, ends)
+    count, most = jnp.sum(jnp.isfinite(edges)) - 1, edges.shape[0] - 2
     varied = bool(parts[1].numbers)
 
     equations = parts[0].whole(numbers)
     z = jnp.zeros(equations.unknowns)
 
+    def last_time(step: Array) -> Array | None:
+        return None if timed.jumps is None else ends_of_steps[step]
+
     @traced_once
     def taken(step: Array, state: MotionState, z: Array):
-        return rosenbrock_step(equations, edges[step], edges[step + 1] - edges[step], state, z)
+        h = edges[step + 1] - edges[step]
+        return rosenbrock_step(equations, edges[step], h, state, z, last_time(step))
 
     outcome = jax.eval_shape(taken, count, start, z)
     # Matrices element by element are too many to store: these steps are taken once more.
@@ -93,7 +97,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         place = jnp.where(step % room == 0, step // room, -1)
         outcome = taken(step, *at)
         stored, sparse = _put(stored, step % room, (at, outcome if stores else None)), _put(sparse, place, at)
-        return step + 1, (equations.settle(edges[step + 1], outcome.end, outcome.mass), outcome.z), stored, sparse
+        return step + 1, (equations.settle(ends_of_steps[step], outcome.end, outcome.mass), outcome.z), stored, sparse
 
     def backward(stored: Any, m: _Back):
         t0, t1 = edges[m.step], edges[m.step + 1]
@@ -101,7 +105,7 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         outcome = outcome if stores else taken(m.step, state, z)
 
         def settled(numbers: list[Any], t1: Array, end: MotionState):
-            return parts[0].whole(numbers).settle(t1, end, outcome.mass)
+            return parts[0].whole(numbers).settle(not_after(t1, ends_of_steps[m.step]), end, outcome.mass)
 
         after, pull = jax.vjp(settled, numbers, t1, outcome.end)
         step_ends = (t0, t1), (state, after), (z, outcome.z)
@@ -111,7 +115,8 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         by_after, by_z1 = jax.tree.map(jnp.add, m.end, (by_end, by_z1))
         by_numbers, by_t1, by_outcome = pull(by_after)
         begin = StepBegin(numbers, t0, t1 - t0, state, z)
-        of = step_pulled_back(parts[0].whole, begin, outcome.tangent, outcome.increments, by_outcome, by_z1)
+        record = outcome.tangent, outcome.increments
+        of = step_pulled_back(parts[0].whole, begin, *record, by_outcome, by_z1, last_time(m.step))
         of_span = of.t - of.h, by_t1 + of.h
         by_edges = None
         if m.edges is not None and by_times is not None:
@@ -149,12 +154,42 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
 
         def known(numbers: list[Any]):
             span: Span = parts[1].whole(numbers)
-            return span.t0, _moved_along(ends, timed, span), span.times
+            return _edges(timed, span, ends)[0], span.times
 
-        by_edges, by_times = back.edges
-        derivatives[1] = _by(known, parts[1].numbers, (by_edges[0] + by_edges[1], by_edges[2:], by_times))
+        derivatives[1] = _by(known, parts[1].numbers, back.edges)
     lost = functools.reduce(jnp.logical_or, [jnp.any((rows != 0) & missed) for rows in changes])
     return jax.tree.map(lambda leaf: jnp.where(lost, jnp.nan, leaf), derivatives)
+
+
+def _edges(
+    known: Span, span: Span, ends: Float[Array, "most"]
+) -> tuple[Float[Array, "edges"], Float[Array, "edges-1"]]:
+    """Begins and ends of all steps in one row, infinite beyond the last, and the last time of loads in each step.
+
+    A step of zero length computes accelerations and multipliers: at the start, and after each jump. The step before a
+    jump ends behind it, with the loads before it.
+    """
+    moved = _moved_along(ends, known, span)
+    if known.jumps is None:
+        edges = jnp.concatenate([span.t0[None], span.t0[None], moved])
+        return edges, edges[1:]
+    at, met = _behind(known.jumps, ends)
+    more = jnp.zeros(ends.size, int).at[jnp.where(met, at, ends.size)].add(1, mode="drop")
+    places = 2 + jnp.arange(ends.size) + jnp.cumsum(more) - more
+    edges = jnp.full(2 + ends.size + at.size, jnp.inf).at[:2].set(span.t0).at[places].set(moved)
+    of_jumps = jnp.where(met, places[at], edges.size)
+    edges = edges.at[of_jumps + 1].set(moved[at], mode="drop")
+    before = known.jumps - jnp.maximum(np.finfo(float).eps * jnp.abs(known.jumps), np.finfo(float).tiny)
+    # Of two edges behind a jump, the first ends a step before it.
+    return edges, jax.lax.stop_gradient(edges[1:]).at[of_jumps - 1].set(before, mode="drop")
+
+
+def _behind(jumps: Float[Array, "k"], ends: Float[Array, "most"]) -> tuple[Int[Array, "k"], Bool[Array, "k"]]:
+    """Places of the ends of steps just behind jumps, and whether there are any: diffrax goes on at the next number."""
+    at = jnp.minimum(jnp.searchsorted(ends, jumps, side="right"), ends.size - 1)
+    met = ends[at] - jumps <= 4 * np.finfo(float).eps * jnp.abs(jumps) + np.finfo(float).tiny
+    # Each place once.
+    return at, met & jnp.append(True, jnp.diff(at) > 0)
 
 
 def _by(function: Callable[..., Any], numbers: list[Any], changes: Any) -> list[Any]:
@@ -189,9 +224,13 @@ def _over_rows(times: Array, changes: MotionState, step_ends: Any, row: Any, by_
 
 
 def _moved_along(ends: Float[Array, "most"], known: Span, span: Span) -> Float[Array, "most"]:
-    """Ends of steps, moved with the begin, the last stop before them, or the end of a motion."""
+    """Ends of steps, moved with the begin, the last stop before them, a jump there, or the end of a motion."""
     along = ends + (span.t0 - known.t0)
     if span.stops is not None and known.stops is not None:
         for stop, was in zip(span.stops, known.stops, strict=True):
             along = jnp.where((ends >= was) & (was > known.t0), ends + (stop - was), along)
+    if span.jumps is not None and known.jumps is not None:
+        # Later steps stay: a jump that moves them all would sum their errors.
+        at, met = _behind(known.jumps, ends)
+        along = along.at[jnp.where(met, at, ends.size)].set(ends[at] + (span.jumps - known.jumps), mode="drop")
     return jnp.where(ends == known.t1, span.t1, along)

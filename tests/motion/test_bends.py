@@ -21,8 +21,7 @@ TIMES = np.array([0.0, LAST, 0.4])
 BEND = 0.2
 
 
-@functools.cache
-def oscillator():
+def built(mass):
     b = fm.Builder()
     b.node("foot", (0.0, 0.0))
     b.node("cart", (0.1, 0.0))
@@ -31,8 +30,13 @@ def oscillator():
     b.add(planar.truss, "foot", "cart", section=section, damping=damping)
     b.fix("foot")
     b.fix("cart", "y")
-    b.mass("cart", MASS)
+    b.mass("cart", mass)
     return b.build()
+
+
+@functools.cache
+def oscillator():
+    return built(MASS)
 
 
 def answer_to(force, begin, end):
@@ -58,6 +62,29 @@ def test_a_step_onto_a_jump_does_not_look_beyond_it():
 
     # Where round-off leads the last stage of that step beyond the jump, it is refused again and again: 44 steps.
     assert fm.jit(steps)(BEND) < 25
+
+
+@pytest.mark.slow
+def test_derivative_by_the_mass_across_two_jumps():
+    """Steps end before a jump and begin behind it, with other accelerations, forward and in reverse."""
+
+    def end(mass):
+        pulse = {"cart.x": lambda t: jnp.where((t > 0.1) & (t < BEND), 500.0, 0.0)}
+        return fm.simulate(built(mass), TIMES, loads=pulse, jumps=[0.1, BEND], rtol=1e-7).at("cart")[1, 0]
+
+    def exact(mass):
+        decay = DAMPING / (2 * mass)
+        rate = np.sqrt(STIFFNESS / mass - decay**2)
+
+        def added(t):
+            return 500.0 * np.exp(-decay * (LAST - t)) * np.sin(rate * (LAST - t)) / (mass * rate)
+
+        return quad(added, 0.1, BEND, epsabs=1e-14)[0]
+
+    value, slope = jax.value_and_grad(end)(MASS)
+    assert value == approx(exact(MASS) + 0.1, rel=1e-6)
+    # Errors of steps and of central differences.
+    assert slope == approx((exact(MASS + 1e-4) - exact(MASS - 1e-4)) / 2e-4, rel=1e-5)
 
 
 @pytest.mark.slow
