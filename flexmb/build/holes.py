@@ -1,5 +1,9 @@
 """Check of leaf springs with holes: strips at both ends of a hole, and warnings outside of the range of the fits."""
 
+from typing import Any
+
+import numpy as np
+
 from ..arguments import is_concrete
 from ..elements.holes import is_holed
 from ..elements.sections import Rectangle
@@ -28,9 +32,11 @@ def check_holes(builder: Description) -> None:
         starts = [builder.nodes[node].start for node in member.nodes]
         if not is_holed(member.properties.get("section")) or not is_concrete((member.properties, starts)):
             continue
+        beyond = [_strip_beyond(builder, joined, end) for end in ends_of(name, member)]
         piece, length = section_at(builder, member, 0.5), float(span_of(builder, member))
         width, hole, nu = float(piece.width), float(piece.hole), float(piece.material.poisson())
-        near = min(_strip_beyond(builder, joined, end) for end in ends_of(name, member)) / width
+        # Distances that depend on traced numbers are not checked.
+        near = min(beyond, default=np.inf) / width if is_concrete(beyond) else np.inf
         faults = []
         if not WIDTHS[0] <= hole / width <= WIDTHS[1]:
             faults.append(f"the hole is {hole / width:.2g} times as wide as the strip, and fits hold from 0.1 to 0.7")
@@ -53,8 +59,8 @@ def check_holes(builder: Description) -> None:
             warn(f"Element '{name}' was not compared with solid elements: {'; '.join(faults)}.", BeamTheoryWarning)
 
 
-def _strip_beyond(builder: Description, joined: dict[str, list[str]], end: End) -> float:
-    """Length of the strip beyond an end of a hole, up to a clamp or another hole [m]."""
+def _strip_beyond(builder: Description, joined: dict[str, list[str]], end: End) -> Any:
+    """Length of the strip beyond an end of a hole, up to a clamp or another hole, that may be traced [m]."""
     if (following := _goes_on(builder, joined, end)) is None:
         raise ModelError(
             f"Element '{end.leaf}' has a section with a hole, but no strip of the same width and thickness continues it"
@@ -62,12 +68,13 @@ def _strip_beyond(builder: Description, joined: dict[str, list[str]], end: End) 
             " springs with the section of the strip at both ends of the hole. Model a hole beside the axis by solid"
             " elements. If a slot reaches a clamp, model the parts on both sides of it by leaf springs."
         )
-    length, passed = 0.0, {end.leaf}
+    length: Any = 0.0
+    passed = {end.leaf}
     while following is not None and following.leaf not in passed:
         if is_clamped(builder, following, joined).flat:
             break
         passed.add(following.leaf)
-        length += float(span_of(builder, builder.members[following.leaf]))
+        length = length + span_of(builder, builder.members[following.leaf])
         end = opposite(builder, following)
         following = _goes_on(builder, joined, end)
     return length
@@ -77,13 +84,14 @@ def _goes_on(builder: Description, joined: dict[str, list[str]], end: End) -> En
     """End of a rectangular strip that continues an element in line with the same width and thickness."""
     for name in joined[end.rotation]:
         section = builder.members[name].properties.get("section")
-        if name == end.leaf or section is None or not (is_concrete(builder.members[name].properties)):
+        if name == end.leaf or section is None:
             continue
         following = end_at(builder, name, end.rotation)
         first, other = (section_at(builder, builder.members[at.leaf], at.number) for at in (end, following))
         if not isinstance(other, Rectangle) or is_fold(builder, end, following):
             continue
-        sizes = [abs(float(getattr(other, side)) / float(getattr(first, side)) - 1) for side in ("width", "thickness")]
-        if max(sizes) < SAME_SIZE:
+        sizes = [(getattr(first, side), getattr(other, side)) for side in ("width", "thickness")]
+        # Traced sizes may be equal.
+        if all(not is_concrete(pair) or abs(float(pair[1]) / float(pair[0]) - 1) < SAME_SIZE for pair in sizes):
             return following
     return None

@@ -95,6 +95,8 @@ def _warn_of_thick_strips(builder: Description) -> None:
     strips = {name: float(section.width) / float(section.thickness) for name, _, section in rectangles}
     beams = [name for name, element, _ in rectangles if element == spatial.warping_beam]
     thick_beams = set(beams) if all(max(strips[name], 1 / strips[name]) < STRIP for name in beams) else set()
+    # Free ends restrain nothing.
+    thick_beams = {n for n in thick_beams if not _warps_freely(builder.members[n])}
     for name, element, section in rectangles:
         factor = element in PLAIN and section.warping_length is not None and section.clamped_ends > 0
         if (factor and strips[name] < STRIP) or name in thick_beams:
@@ -106,6 +108,12 @@ def _warn_of_thick_strips(builder: Description) -> None:
                 BeamTheoryWarning,
             )
             return
+
+
+def _warps_freely(member: Member) -> bool:
+    """Whether a beam states that no end restrains its warping."""
+    stated = member.properties.get("clamped")
+    return stated is not None and is_concrete(stated) and not np.any(stated)
 
 
 def _remedy(builder: Description, worst: dict[str, Member]) -> str:
@@ -123,7 +131,7 @@ def _remedy(builder: Description, worst: dict[str, Member]) -> str:
         row = "a row of spatial.warping_beam along it, each with the section there"
         ways.append(f"warping by {row if varies else 'warping_length= of the section'}")
     counted = f"ount {' and '.join(ways)}."
-    if not all(map(_may_be_leaf, worst.values())):
+    if all("curvature" in effect for effect in worst) or not all(map(_may_be_leaf, worst.values())):
         return f"C{counted}"
     leaf = "spatial.leaf_spring" if builder.dimension == 3 else "planar.leaf_spring(shear=True)"
     return f"A {leaf} counts it. Or c{counted}"
@@ -155,6 +163,8 @@ def _left_out(
     if member.element.options.get("order") == 1 and any(_is_free(member, i) for i in ((2, 3) if in_space else (1,))):
         n = len(chain.names)
         changes["varying curvature in bending"] = 1 / (n**2 - 1) if n > 1 else math.inf
+    if member.element.options.get("shear") and member.element.usual == planar.leaf_spring:
+        return changes
     nodes, weights = gauss(SAMPLES)
     places, weights = (
         np.asarray(values).ravel() for values in (segments.spread(nodes), segments.sizes[:, None] * weights)
@@ -250,7 +260,11 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
 
 def _is_plain(builder: Description, member: Member) -> bool:
     counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
-    if counted or member.element.usual not in PLAIN or isinstance(member.properties.get("section"), General | None):
+    if (
+        (counted and member.element.options["order"] > 1)
+        or member.element.usual not in PLAIN
+        or isinstance(member.properties.get("section"), General | None)
+    ):
         return False
     p, q = member.nodes_of_kind("position")
     starts = builder.nodes[p].start, builder.nodes[q].start

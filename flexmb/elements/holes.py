@@ -89,6 +89,14 @@ class Holed(Section):
                 f"a hole of width {np.max(hole):.4g} and length {np.min(length):.4g}, but it must be at least as long"
                 " as wide: the ends of the beam are the ends of the hole"
             )
+        if not faults:
+            rigidity = self.rigidity()
+            if not all(holds(as_known(number) > 0) for number in (rigidity.shear_y, rigidity.shear_z)):
+                share = np.max(hole / as_known(self.width))
+                faults.append(
+                    f"a hole {share:.3g} times as wide as the strip, whose fitted compliance to shear is not positive:"
+                    " fits hold from 0.1 to 0.7"
+                )
         return faults
 
     def rigidity(self) -> Rigidity:

@@ -537,6 +537,9 @@ def leaf_of(section: Any, clamped: Any, initial: Any = None, skew: Any = None, c
     """Return the section of a leaf spring; None without a section. Without ``clamped`` no end is clamped."""
     if section is None:
         return None
+    if isinstance(section, Profile) and not isinstance(kind := section._kind(), Rectangle):
+        remedy = ": a piece beside a hole is a spectral_beam(shear=True)" if hasattr(kind, "hole") else ""
+        raise ModelError(f"a leaf spring needs a Rectangle, not a section of kind {type(kind).__name__}{remedy}")
     flags = flags_and_distances(jnp.zeros(2) if clamped is None else clamped)
     return Leaf(section, *flags, initial, ends_of(skew, clamp, clamped))
 

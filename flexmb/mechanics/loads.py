@@ -51,7 +51,8 @@ def load_factors_of(model: Model, load_factor: float, increment: float | None, f
 LEAVES_OUT = "leaves out the incremental loads of the model"
 # Advice for functions without the argument `increment`.
 _INSTEAD = {
-    "configuration": "Build them without increment=True to include them, or give fm.equilibrium(model, increment=1.0)",
+    "configuration": "This is right for the start of a motion with `increment`. Otherwise build them without"
+    " increment=True, or give fm.equilibrium(model, increment=1.0)",
     "damped": "Give fm.linearize(model, increment=1.0), or increment=0.0 there for this state",
     "motion.steady_motion": "Build them without increment=True to include them",
     "frequency_like": "Follow modes by fm.linear.follow_modes(fm.modes(model, increment=0.0), ..)",

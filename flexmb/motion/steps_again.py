@@ -84,8 +84,9 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
         return rosenbrock_step(equations, edges[step], h, state, z, last_time(step))
 
     outcome = jax.eval_shape(taken, count, start, z)
-    # Matrices element by element are too many to store: these steps are taken once more.
-    stores = isinstance(outcome.tangent, Tangent)
+    # Matrices element by element, and large ones, are too many to store: these steps are taken once more.
+    of_step = sum(leaf.size for leaf in jax.tree.leaves(outcome))
+    stores = isinstance(outcome.tangent, Tangent) and of_step * FEWEST <= NUMBERS
     record = (start, z), (outcome if stores else None)
     size = sum(leaf.size for leaf in jax.tree.leaves(record))
     room = min(most, max(FEWEST, min(STORED, NUMBERS // max(size, 1))))

@@ -169,7 +169,9 @@ def _warn_of_strokes(model: Model, leaves: list[tuple[Any, dict[str, Any]]], e: 
     for block, properties in leaves:
         points = np.split(reference[np.asarray(block.x)], block.splits, axis=1)
         lengths = np.linalg.norm(points[LAST] - points[0], axis=1)
-        first, second = (np.asarray(block.e)[:, block.element.fields[FIELDS.index("EIy")][k] - 1] for k in range(2))
+        bending = block.element.fields[FIELDS.index("EIy")]
+        # A single coefficient has no second one.
+        first, second = (np.asarray(block.e)[:, bending[min(k, len(bending) - 1)] - 1] for k in range(2))
         # Displacement of an end from the tangent at the other end, over the length: integrals of the curvature.
         strokes = np.max(np.abs(e[:, first]) / 2 + np.abs(e[:, second]) / 6, axis=0, initial=0.0)
         of_twist = TWIST_TEXT if block.element.options["order"] >= FINE_TWIST_ORDER else ROUGH_TWIST_TEXT

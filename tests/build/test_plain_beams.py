@@ -95,6 +95,11 @@ def test_one_coefficient_of_a_curvature_that_varies():
     assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), count=12, order=1) == ""
     assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), order=2) == ""
     assert told(planar.spectral_beam, wire, ((0, 0), (0.1, 0)), order=1, released=(4,)) == ""
+    # The shear of a leaf spring does not count it.
+    strip = fm.Rectangle(0.02, 0.3e-3, STEEL)
+    leaf = told(planar.leaf_spring, strip, ((0, 0), (0.1, 0)), order=1, shear=True)
+    assert "varying curvature in bending by more than 9999% ('l0'). Count varying curvature by an order of 2" in leaf
+    assert told(planar.leaf_spring, strip, ((0, 0), (0.1, 0)), order=2, shear=True) == ""
 
 
 def test_a_thick_section_does_not_warp_as_a_strip():
@@ -109,6 +114,13 @@ def test_a_thick_section_does_not_warp_as_a_strip():
     assert "use spatial.beam" in told(spatial.warping_beam, of(0.01, 0.01))
     assert told(spatial.beam, of(0.018, 0.5e-3, warping_length=0.1)) == ""
     assert told(spatial.warping_beam, of(0.5e-3, 0.018)) == ""
+    # Free ends restrain nothing.
+    b = fm.Builder()
+    b.node("first", (0, 0, 0))
+    b.node("last", (0.1, 0, 0))
+    b.add(spatial.warping_beam, "first", "last", section=of(0.01, 0.01), y=(0, 1, 0), clamped=(False, False))
+    b.fix("first")
+    assert "strip" not in heard(b)
     assert told(spatial.beam, of(0.01, 0.01, warping_length=0.1, clamped_ends=0)) == ""
 
 

@@ -145,6 +145,30 @@ def test_a_mechanism_with_a_hole_has_derivatives():
     np.testing.assert_allclose(found, change, rtol=1e-6, atol=1e-6 * soft(sizes))
 
 
+@pytest.mark.slow
+def test_a_mechanism_has_derivatives_by_what_stands_beside_a_hole():
+    """By a place and by a modulus of one outer strip: neither is a reason to miss the strip."""
+
+    def sag(foot, modulus):
+        b = fm.Builder()
+        for name, place in (("foot", foot), ("start", 0.03), ("end", 0.07), ("tip", 0.1)):
+            b.node(name, (place, 0))
+        beside = dataclasses.replace(STRIP, material=dataclasses.replace(STEEL, E=modulus))
+        leaf, section = planar.leaf_spring(shear=True), fm.sections.with_hole(STRIP, 0.01)
+        b.add(leaf, "foot", "start", name="first", section=STRIP)
+        b.add(planar.spectral_beam(shear=True), "start", "end", name="hole", section=section)
+        b.add(leaf, "end", "tip", name="last", section=beside)
+        b.fix("foot")
+        return fm.compliance(b.build(dofs=dofs), "tip")[1, 1]
+
+    dofs = holed(plane=True).build().q_labels
+    slopes = jax.grad(sag, (0, 1))(0.0, 210e9)
+    for i, step in enumerate((1e-6, 1e5)):
+        ahead, back = (sag(*(np.array([0.0, 210e9]) + sign * step * np.eye(2)[i])) for sign in (1, -1))
+        # Round-off of differences.
+        assert float(slopes[i]) == pytest.approx(float(ahead - back) / (2 * step), rel=1e-4)
+
+
 def test_mass_beside_a_hole_is_the_mass_of_the_rest():
     for rounded, area in ((True, 0.04 * 0.01 - (4 - np.pi) / 4 * 0.01**2), (False, 0.04 * 0.01)):
         mass = fm.sections.with_hole(STRIP, 0.01, rounded=rounded).at(0.5, 0.04).rigidity().mass * 0.04
@@ -206,13 +230,27 @@ def test_a_hole_beside_the_axis_or_without_a_strip_is_an_error():
 
 
 @pytest.mark.parametrize(
-    ("width", "length", "message"), [(0.03, 0.04, "needs a wider"), (0.01, 0.005, "as long as wide")]
+    ("width", "length", "message"),
+    [
+        (0.03, 0.04, "needs a wider"),
+        (0.01, 0.005, "as long as wide"),
+        (0.0285, 0.04, "0.95 times as wide as the strip, whose fitted compliance to shear is not positive"),
+    ],
 )
 def test_impossible_holes_are_errors(width, length, message):
     with pytest.raises(fm.ModelError, match=message):
         holed(width=width, places=(0, 0.03, 0.03 + length, 0.1), plane=True).build()
     with pytest.raises(TypeError, match="must be a Rectangle"):
         fm.sections.with_hole(fm.HollowRectangle(0.03, 0.01, 1e-3, 1e-3, STEEL), width)
+
+
+def test_a_leaf_spring_has_no_section_with_a_hole():
+    b = fm.Builder()
+    b.node("foot", (0, 0, 0))
+    b.node("tip", (0.1, 0, 0))
+    section = fm.sections.with_hole(STRIP, 0.01)
+    with pytest.raises(fm.ModelError, match=r"not a section of kind Holed: a piece beside a hole is a spectral_beam"):
+        b.add(spatial.leaf_spring, "foot", "tip", name="leaf", section=section, y=(0, 1, 0))
 
 
 def test_a_hole_has_no_stress():

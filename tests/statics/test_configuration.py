@@ -80,7 +80,7 @@ def test_prescribed_increments_are_left_out_with_a_warning():
     np.testing.assert_allclose(here, [0.1 * np.cos(0.3), 0.1 * np.sin(0.3)], rtol=1e-12)
     b.prescribe("pivot", "phi", 0.3, increment=True)
     b.prescribe("pivot", "phi", 0.0)
-    with pytest.warns(fm.FlexmbWarning, match=r"fm\.configuration leaves out .* Build them without"):
+    with pytest.warns(fm.FlexmbWarning, match=r"fm\.configuration leaves out .* build them without increment=True"):
         fm.configuration(b.build())
 
 
