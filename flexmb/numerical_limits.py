@@ -72,6 +72,10 @@ POWER_OF_TEN = 1e-9
 
 # --- elements -------------------------------------------------------------------------------------------------------
 
+DISTINCT_DECAY = 1e-3
+"""Least size of the part of a decaying function that polynomials of twist leave out. With less, stiffnesses of the
+coefficients of a leaf spring differ by 13 digits; more changes answers."""
+
 SHORTEST_ELEMENT = 1e-12
 """Shortest length of an element over the largest coordinate of its ends. Positions have 16 digits: below this, ends
 such as 3 * 0.05 and 0.15 differ by round-off alone."""
@@ -224,6 +228,9 @@ LARGE_DISPLACEMENT = 0.5
 
 RAN_AWAY = 1e8
 """A motion that comes this far (extents, radians) runs away: it would end in infinity after very many steps."""
+
+JUST_BEHIND = 1e-15
+"""A step ends just behind a jump within this share of its time: at the next number, or the one after it."""
 
 SHORTEST_TIME_STEP = 1e-12
 """Smallest step, as share of the time: shorter steps do not advance the time."""

@@ -36,7 +36,7 @@ def check_holes(builder: Description) -> None:
         piece, length = section_at(builder, member, 0.5), float(span_of(builder, member))
         width, hole, nu = float(piece.width), float(piece.hole), float(piece.material.poisson())
         # Distances that depend on traced numbers are not checked.
-        near = min(beyond, default=np.inf) / width if is_concrete(beyond) else np.inf
+        near = min(beyond) / width if is_concrete(beyond) else np.inf
         faults = []
         if not WIDTHS[0] <= hole / width <= WIDTHS[1]:
             faults.append(f"the hole is {hole / width:.2g} times as wide as the strip, and fits hold from 0.1 to 0.7")

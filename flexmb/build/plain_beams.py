@@ -95,8 +95,7 @@ def _warn_of_thick_strips(builder: Description) -> None:
     strips = {name: float(section.width) / float(section.thickness) for name, _, section in rectangles}
     beams = [name for name, element, _ in rectangles if element == spatial.warping_beam]
     thick_beams = set(beams) if all(max(strips[name], 1 / strips[name]) < STRIP for name in beams) else set()
-    # Free ends restrain nothing.
-    thick_beams = {n for n in thick_beams if not _warps_freely(builder.members[n])}
+    thick_beams = {name for name in thick_beams if not _warps_freely(builder.members[name])}
     for name, element, section in rectangles:
         factor = element in PLAIN and section.warping_length is not None and section.clamped_ends > 0
         if (factor and strips[name] < STRIP) or name in thick_beams:
@@ -163,7 +162,7 @@ def _left_out(
     if member.element.options.get("order") == 1 and any(_is_free(member, i) for i in ((2, 3) if in_space else (1,))):
         n = len(chain.names)
         changes["varying curvature in bending"] = 1 / (n**2 - 1) if n > 1 else math.inf
-    if member.element.options.get("shear") and member.element.usual == planar.leaf_spring:
+    if _counts_shear(member):
         return changes
     nodes, weights = gauss(SAMPLES)
     places, weights = (
@@ -258,13 +257,16 @@ def _chains(builder: Description, joined: dict[str, list[str]]) -> list[_Chain]:
     return chains
 
 
+def _counts_shear(member: Member) -> bool:
+    """Whether a beam counts shear although its section states none."""
+    return member.element.usual == planar.leaf_spring and member.element.options["shear"]
+
+
 def _is_plain(builder: Description, member: Member) -> bool:
-    counted = member.element.usual == planar.leaf_spring and member.element.options["shear"]
-    if (
-        (counted and member.element.options["order"] > 1)
-        or member.element.usual not in PLAIN
-        or isinstance(member.properties.get("section"), General | None)
-    ):
+    if member.element.usual not in PLAIN or isinstance(member.properties.get("section"), General | None):
+        return False
+    # With one coefficient its curvature cannot vary.
+    if _counts_shear(member) and member.element.options["order"] > 1:
         return False
     p, q = member.nodes_of_kind("position")
     starts = builder.nodes[p].start, builder.nodes[q].start

@@ -23,6 +23,7 @@ from jaxtyping import Array, Float
 
 from ..errors import ModelError
 from ..math.quadrature import gauss, legendre_slopes, legendre_values, lobatto
+from ..numerical_limits import DISTINCT_DECAY
 from .bent_strip import curving, relaxing_and_distorting
 from .curves import curvature_at
 from .leaf_ends import ENDS, Ends, ends_matrix, ends_of, free_of_jumps
@@ -51,8 +52,6 @@ Clamped = tuple[bool, bool] | bool
 PARTS = 10
 # Relative increase of the compliance in sideways bending by slanted edges, over the squared slope of the width.
 IN_PLANE = 0.30
-# Least size of the part of a decaying function that polynomials of a lower degree than ``order`` cannot represent.
-DISTINCT = 1e-3
 # Keeps roots smooth at zero curvature, and changes no digit.
 TINY = 1e-12
 
@@ -177,8 +176,8 @@ class Leaf(Sheared):
         return first, last
 
     def _fading_over(self, order: int, length: Any) -> list[Scalar]:
-        """Return :meth:`layers`, at most so long that the functions that decay over them are no polynomials."""
-        longest = (DISTINCT * math.factorial(order)) ** (-1 / order) / 4
+        """Return :meth:`layers`, shortened where polynomials represent the functions that decay over them."""
+        longest = (DISTINCT_DECAY * math.factorial(order)) ** (-1 / order) / 4
         return [jnp.minimum(layer, longest) for layer in self.layers(length)]
 
     def _at_ends(self, length: Any) -> list[Rectangle]:

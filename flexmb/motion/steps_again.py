@@ -16,6 +16,7 @@ from jaxtyping import Array, Bool, Float, Int
 
 from ..compilation.compile import traced_once
 from ..math.derivative import Varied
+from ..numerical_limits import JUST_BEHIND
 from .protocol import MotionState, Tangent
 from .stages import StepBegin, not_after, rosenbrock_step, state_within_step, step_pulled_back
 
@@ -165,10 +166,10 @@ def pulled_back(parts: list[Varied], ends: Float[Array, "most"], changes: Motion
 def _edges(
     known: Span, span: Span, ends: Float[Array, "most"]
 ) -> tuple[Float[Array, "edges"], Float[Array, "edges-1"]]:
-    """Begins and ends of all steps in one row, infinite beyond the last, and the last time of loads in each step.
+    """Begins and ends of all steps in one row, infinite beyond the last, and the last time of the loads of each step.
 
-    A step of zero length computes accelerations and multipliers: at the start, and after each jump. The step before a
-    jump ends behind it, with the loads before it.
+    At the start and after each jump, a step of zero length computes accelerations and multipliers. diffrax goes on at
+    the next number after a jump. There the step before the jump ends, but its loads are those before the jump.
     """
     moved = _moved_along(ends, known, span)
     if known.jumps is None:
@@ -181,14 +182,14 @@ def _edges(
     of_jumps = jnp.where(met, places[at], edges.size)
     edges = edges.at[of_jumps + 1].set(moved[at], mode="drop")
     before = known.jumps - jnp.maximum(np.finfo(float).eps * jnp.abs(known.jumps), np.finfo(float).tiny)
-    # Of two edges behind a jump, the first ends a step before it.
+    # The first of two equal edges ends the step before the jump.
     return edges, jax.lax.stop_gradient(edges[1:]).at[of_jumps - 1].set(before, mode="drop")
 
 
 def _behind(jumps: Float[Array, "k"], ends: Float[Array, "most"]) -> tuple[Int[Array, "k"], Bool[Array, "k"]]:
-    """Places of the ends of steps just behind jumps, and whether there are any: diffrax goes on at the next number."""
+    """For each jump, the place of the end of a step just behind it, and whether there is one."""
     at = jnp.minimum(jnp.searchsorted(ends, jumps, side="right"), ends.size - 1)
-    met = ends[at] - jumps <= 4 * np.finfo(float).eps * jnp.abs(jumps) + np.finfo(float).tiny
+    met = ends[at] - jumps <= JUST_BEHIND * jnp.abs(jumps) + np.finfo(float).tiny
     # Each place once.
     return at, met & jnp.append(True, jnp.diff(at) > 0)
 
@@ -231,7 +232,7 @@ def _moved_along(ends: Float[Array, "most"], known: Span, span: Span) -> Float[A
         for stop, was in zip(span.stops, known.stops, strict=True):
             along = jnp.where((ends >= was) & (was > known.t0), ends + (stop - was), along)
     if span.jumps is not None and known.jumps is not None:
-        # Later steps stay: a jump that moves them all would sum their errors.
+        # Later steps stay: derivatives by their lengths would sum up their errors.
         at, met = _behind(known.jumps, ends)
         along = along.at[jnp.where(met, at, ends.size)].set(ends[at] + (span.jumps - known.jumps), mode="drop")
     return jnp.where(ends == known.t1, span.t1, along)
